@@ -1,0 +1,41 @@
+VENV ?= .venv
+PYTHON ?= python3
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.PHONY: help setup demo test bench docs format clean
+
+help:            ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+
+setup: $(STAMP)  ## a virtual environment with everything in it
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
+	@touch $@
+
+demo: setup      ## plan, capture on the simulated rig, reconstruct; then open demo/session/report.html
+	@rm -rf demo && mkdir demo
+	cd demo && ../$(BIN)/gonio plan --density sixth
+	cd demo && ../$(BIN)/gonio capture --sim --material wood-veneer
+	cd demo && ../$(BIN)/gonio reconstruct session/
+
+test: setup      ## format, lint, types, layers, then the tests
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -n auto
+
+bench: setup     ## benchmarks: ratios to named alternatives, each in one run
+	$(BIN)/python -m pytest tests/benchmarks -s --override-ini='python_files=bench_*.py'
+
+docs: setup      ## the documentation site, in docs/_build
+	$(BIN)/sphinx-build -W --keep-going -q docs docs/_build
+
+format: setup    ## write the format that test checks
+	$(BIN)/ruff format . && $(BIN)/ruff check --fix .
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info docs/_build demo

@@ -1,0 +1,1 @@
+"""Running a plan: calibration frames, then shot by shot, journaled and resumable."""

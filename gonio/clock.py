@@ -1,0 +1,63 @@
+"""Time as something passed in: the system's for rigs, a virtual one for the twin."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime, timedelta
+from typing import Protocol
+
+_VIRTUAL_EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+
+
+class Clock(Protocol):
+    """What drivers wait on."""
+
+    def now(self) -> float:
+        """Return monotonic seconds from an arbitrary start."""
+
+    def sleep(self, seconds: float) -> None:
+        """Let `seconds` pass; negative values pass none."""
+
+    def utc(self) -> datetime:
+        """Return the date and time, in UTC, for records."""
+
+
+class SystemClock:
+    """The machine's own time."""
+
+    def now(self) -> float:
+        """Return `time.monotonic()`."""
+        return time.monotonic()
+
+    def sleep(self, seconds: float) -> None:
+        """Sleep for real."""
+        time.sleep(max(seconds, 0.0))
+
+    def utc(self) -> datetime:
+        """Return the system's date and time."""
+        return datetime.now(UTC)
+
+
+class VirtualClock:
+    """Time that passes only when somebody sleeps; a night of scanning takes seconds.
+
+    Parameters
+    ----------
+    start
+        Seconds already passed since the virtual epoch, 2000-01-01 (a resumed session goes on).
+    """
+
+    def __init__(self, start: float = 0.0) -> None:
+        self._now = start
+
+    def now(self) -> float:
+        """Return the virtual seconds passed."""
+        return self._now
+
+    def sleep(self, seconds: float) -> None:
+        """Advance by `seconds` at once."""
+        self._now += max(seconds, 0.0)
+
+    def utc(self) -> datetime:
+        """Return the virtual date and time."""
+        return _VIRTUAL_EPOCH + timedelta(seconds=self._now)

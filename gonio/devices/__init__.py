@@ -1,0 +1,1 @@
+"""Drivers of arm, lamps and camera, each talking through a transport."""

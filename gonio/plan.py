@@ -1,0 +1,142 @@
+"""The Plan document: which shots, in which order, and why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field, model_validator
+
+from gonio.errors import BadFileError
+from gonio.files import canonical_json, sha256_bytes, write_json
+from gonio.validation import Document, check, parse_json, read_text
+
+SCHEMA: Final = "gonio.plan/1"
+_REMEDY = "make a new one with: gonio plan"
+
+Theta = Annotated[float, Field(ge=0)]
+Phi = Annotated[float, Field(ge=0, lt=360)]
+Exposure = Annotated[float, Field(ge=1e-6, le=300)]
+
+
+class LampSetting(Document):
+    """A lamp and its current."""
+
+    n: int = Field(ge=1, le=11)
+    mA: float = Field(gt=0, le=700)
+
+
+class Shot(Document):
+    """One pair of directions to measure, and how."""
+
+    index: int = Field(ge=0)
+    light_theta_deg: Theta
+    light_phi_deg: Phi
+    view_theta_deg: Theta
+    view_phi_deg: Phi
+    exposures_s: tuple[Exposure, ...] = Field(min_length=1)
+    lamps: tuple[LampSetting, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _reflection_only(self) -> Shot:
+        for name in ("light_theta_deg", "view_theta_deg"):
+            theta = getattr(self, name)
+            if theta > 90:
+                raise ValueError(
+                    f"{name} {theta:g} is beyond 90 deg: that would be transmission, "
+                    "which gonio does not measure"
+                )
+        return self
+
+    def axis_deg(self, axis: str) -> float:
+        """Return the angle of an axis, by its name in the rig file, in degrees."""
+        angle: float = getattr(self, f"{axis}_deg")
+        return angle
+
+
+class Selection(Document):
+    """How the shots were chosen."""
+
+    criterion: str
+    candidates: str
+    views: int = Field(ge=0)
+    lights: int = Field(ge=0)
+    full_set: int = Field(ge=1)
+    reciprocal_pairs: int = Field(ge=0)
+    route: str
+
+
+class LeftOut(Document):
+    """Shots that were not taken, and why."""
+
+    reason: str
+    shots: int = Field(ge=0)
+
+
+class Estimates(Document):
+    """What the plan will cost on the rig that it was made for."""
+
+    moving_s: float = Field(ge=0)
+    settling_s: float = Field(ge=0)
+    exposing_s: float = Field(ge=0)
+    overhead_s: float = Field(ge=0)
+    frames: int = Field(ge=0)
+    storage_bytes: int = Field(ge=0)
+
+    @property
+    def total_s(self) -> float:
+        """Everything together, in seconds."""
+        return self.moving_s + self.settling_s + self.exposing_s + self.overhead_s
+
+
+class Plan(Document):
+    """Shots in route order, how they were chosen, what was left out, and what it will cost."""
+
+    schema_: Literal["gonio.plan/1"] = Field(default=SCHEMA, alias="schema")
+    parent: str | None = None
+    rig_sha256: str
+    selection: Selection
+    left_out: tuple[LeftOut, ...] = ()
+    estimates: Estimates
+    shots: tuple[Shot, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _indices_differ(self) -> Plan:
+        if len({shot.index for shot in self.shots}) != len(self.shots):
+            raise ValueError("two shots have the same index")
+        return self
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the canonical JSON of everything else."""
+        return sha256_bytes(canonical_json(self._content()))
+
+    def save(self, path: Path) -> None:
+        """Write the plan with its hash, whole or not at all."""
+        write_json(path, self._content() | {"sha256": self.sha256})
+
+    @classmethod
+    def load(cls, path: Path | str) -> Plan:
+        """Read a plan and check every field and its hash.
+
+        Raises
+        ------
+        gonio.errors.BadFileError
+            When the file is missing, of another schema, malformed, or changed since it was made.
+        """
+        path = Path(path)
+        data = parse_json(read_text(path, _REMEDY), path, _REMEDY)
+        if not isinstance(data, dict):
+            raise BadFileError(path, "is not a plan (no object at the top)", _REMEDY)
+        if data.get("schema") != SCHEMA:
+            raise BadFileError(path, f"has schema {data.get('schema')!r}, not {SCHEMA!r}", _REMEDY)
+        stated = data.pop("sha256", None)
+        plan = check(cls, data, path, _REMEDY)
+        if stated is None:
+            raise BadFileError(path, "sha256: is missing", _REMEDY)
+        if stated != plan.sha256:
+            raise BadFileError(path, "sha256: does not match the content", _REMEDY)
+        return plan
+
+    def _content(self) -> dict[str, Any]:
+        return self.model_dump(mode="json", by_alias=True)

@@ -1,0 +1,67 @@
+"""The seams that several rooms share: a material, its estimate, and the art of estimating it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gonio.samples import Samples
+
+Progress = Callable[[int, int], None]
+"""Called with how much is done and how much there is."""
+
+
+class Material(Protocol):
+    """Anything that reflects: analytic, tabulated or learned."""
+
+    def evaluate(
+        self, light: NDArray[np.float64], view: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the BRDF.
+
+        Parameters
+        ----------
+        light, view
+            Unit vectors away from the sample, shapes (..., 3), broadcast against each other.
+
+        Returns
+        -------
+        ndarray
+            Linear RGB in 1/sr, shape (..., 3).
+        """
+
+
+class Estimate(Material, Protocol):
+    """A material told from samples, which knows how sure it is."""
+
+    def sigma(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return one standard uncertainty in 1/sr, shaped as `evaluate`."""
+
+    def quantiles(
+        self, light: NDArray[np.float64], view: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the 5 and 95 % quantiles in 1/sr, each shaped as `evaluate`."""
+
+    def save(self, folder: Path) -> None:
+        """Write `weights.safetensors`, `model.json` and `grid.npz` to `folder`."""
+
+
+class Estimator(Protocol):
+    """Turns samples into an estimate of the material over the whole hemisphere."""
+
+    name: str
+
+    def fit(self, samples: Samples, progress: Progress | None = None) -> Estimate:
+        """Estimate the material.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When the samples are too few or not usable.
+        """

@@ -1,0 +1,1 @@
+"""What was measured and what came of it, as one HTML page."""

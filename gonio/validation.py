@@ -1,0 +1,82 @@
+"""Turn what a file holds into a checked model, or into one line that says what is wrong."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from gonio.errors import BadFileError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+class Document(BaseModel):
+    """Base of everything read from a file: frozen, unknown keys refused, no NaN."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+D = TypeVar("D", bound=Document)
+
+
+def read_text(path: Path, remedy: str) -> str:
+    """Read a UTF-8 text file.
+
+    Raises
+    ------
+    BadFileError
+        When it is missing, a folder, unreadable or not text.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise BadFileError(path, "no such file", remedy) from None
+    except UnicodeDecodeError as error:
+        raise BadFileError(path, f"is not text (byte {error.start})", remedy) from None
+    except OSError as error:
+        raise BadFileError(path, f"cannot be read ({error.strerror})", remedy) from None
+
+
+def parse_json(text: str, path: Path, remedy: str) -> Any:
+    """Parse JSON text that came from `path`."""
+    try:
+        return json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        where = f"line {error.lineno}: {error.msg}" if isinstance(error, ValueError) else str(error)
+        raise BadFileError(path, f"is not JSON ({where})", remedy) from None
+
+
+def parse_toml(text: str, path: Path, remedy: str) -> Any:
+    """Parse TOML text that came from `path`."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadFileError(path, f"is not TOML ({error})", remedy) from None
+
+
+def check(model: type[D], data: Any, path: Path, remedy: str) -> D:
+    """Validate `data` as `model`.
+
+    Raises
+    ------
+    BadFileError
+        Naming the first field that is wrong, and how many more there are.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise BadFileError(path, describe(error), remedy) from None
+
+
+def describe(error: ValidationError) -> str:
+    """Say in one line which field a validation error is about and what it wants."""
+    first, *others = error.errors(include_url=False)
+    field = ".".join(str(part) for part in first["loc"]) or "the document"
+    message = first["msg"].removeprefix("Value error, ")
+    known = {"missing": "is missing", "extra_forbidden": "is not a known key"}
+    text = f"{field}: {known.get(first['type'], message)}"
+    return text + (f" (and {len(others)} more)" if others else "")

@@ -1,0 +1,1 @@
+"""From samples to a material: encodings, network, training, analytic models, error metrics."""

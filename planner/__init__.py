@@ -1,0 +1,1 @@
+"""Choosing what to measure: candidate directions, subsets, routes; it makes Plans."""
