@@ -71,18 +71,26 @@ def estimate(shots: Sequence[Shot], rig: Rig) -> Estimates:
     calibration = calibration_exposures_s(shots)
     frames = sum(len(shot.exposures_s) for shot in shots) + len(calibration)
     exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots)
-    frame_bytes = 2 * rig.camera.width * rig.camera.height + FRAME_HEADER_BYTES
     return Estimates(
         moving_s=float(moves.sum()),
         settling_s=SETTLE_S * int(np.count_nonzero(moves)),
         exposing_s=exposing + math.fsum(calibration),
         overhead_s=HOMING_S + FRAME_OVERHEAD_S * frames,
         frames=frames,
-        storage_bytes=frames * frame_bytes,
+        storage_bytes=frames * frame_bytes(rig),
     )
+
+
+def exposures_of(shots: Sequence[Shot]) -> list[float]:
+    """Return the distinct exposures of `shots` in seconds, from short to long."""
+    return sorted({exposure for shot in shots for exposure in shot.exposures_s})
 
 
 def calibration_exposures_s(shots: Sequence[Shot]) -> list[float]:
     """Return the exposures of the dark and white frames that precede a capture of `shots`."""
-    distinct = sorted({exposure for shot in shots for exposure in shot.exposures_s})
-    return (DARK_FRAMES + WHITE_FRAMES) * distinct
+    return (DARK_FRAMES + WHITE_FRAMES) * exposures_of(shots)
+
+
+def frame_bytes(rig: Rig) -> int:
+    """Return the bytes of a raw frame, 16 bits a pixel."""
+    return 2 * rig.camera.width * rig.camera.height + FRAME_HEADER_BYTES

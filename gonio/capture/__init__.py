@@ -1,1 +1,8 @@
 """Running a plan: calibration frames, then shot by shot, journaled and resumable."""
+
+from __future__ import annotations
+
+from gonio.capture.instrument import Instrument, Operator
+from gonio.capture.run import WHITE_POSE_DEG, Capture
+
+__all__ = ["WHITE_POSE_DEG", "Capture", "Instrument", "Operator"]

@@ -1,0 +1,187 @@
+"""The run of a capture: dark frames, white reference, then shot after shot, all journaled."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+from gonio.capture.wanted import Missing
+from gonio.errors import StorageError
+from gonio.files import sha256_file
+from gonio.journal import FrameRecord
+from gonio.rig import AXES
+from gonio.timemodel import frame_bytes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from gonio.capture.instrument import Instrument, Operator
+    from gonio.capture.wanted import Wanted
+    from gonio.journal import Journal
+    from gonio.plan import LampSetting, Plan, Shot
+    from gonio.protocols import Progress
+    from gonio.rig import Rig
+    from gonio.session import Session
+
+WHITE_POSE_DEG = {"light_theta": 0.0, "light_phi": 0.0, "view_theta": 45.0, "view_phi": 0.0}
+"""0:45, light along the normal and view at 45 deg (CIE 15)."""
+
+_SPARE_BYTES = 50_000_000
+
+
+class Capture:
+    """One run over a session's plan; what is already there is not taken again.
+
+    Parameters
+    ----------
+    session
+        The session, locked by the caller.
+    instrument, operator
+        What to drive, and who lays sample and reference under the camera.
+    journal
+        The session's journal.
+    """
+
+    def __init__(
+        self, session: Session, instrument: Instrument, operator: Operator, journal: Journal
+    ) -> None:
+        self._session = session
+        self._instrument = instrument
+        self._operator = operator
+        self._journal = journal
+        self._plan = session.chain()[-1]
+        self._rig = session.rig()
+        self._missing = Missing(session, self._plan, journal.frames())
+
+    def run(self, progress: Progress | None = None) -> int:
+        """Take every missing frame.
+
+        Returns
+        -------
+        int
+            How many frames were taken; 0 when the session was complete.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When a shot is beyond the rig's reach; nothing has moved then.
+        gonio.errors.StorageError
+            When the disk will not hold the frames.
+        gonio.errors.DeviceFaultError
+            When a device fails; what was taken is kept, and a resume goes on from there.
+        """
+        dark, white = self._missing.dark(), self._missing.white()
+        shots = [(shot, self._missing.of_shot(shot)) for shot in self._plan.shots]
+        todo = [(shot, frames) for shot, frames in shots if frames]
+        total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
+        check_reach(self._plan, self._rig)
+        check_space(self._session.root, total, self._rig)
+        if not total:
+            return 0
+        counter = _Counter(total, progress)
+        self._note("begun", plan=self._plan.sha256, rig=self._rig.sha256, frames=total)
+        with self._instrument.ready():
+            self._note("homed")
+            self._calibrate(dark, white, counter)
+            self._operator.place("sample")
+            for shot, frames in todo:
+                self._take_shot(shot, frames, counter)
+        self._note("finished")
+        return total
+
+    def _calibrate(
+        self, dark: Sequence[Wanted], white: Sequence[Wanted], counter: _Counter
+    ) -> None:
+        if not dark and not white:
+            return
+        self._operator.place("reference")
+        self._instrument.arm.move(WHITE_POSE_DEG)
+        self._instrument.lamps.off()
+        self._take(dark, self._session.calibration, counter)
+        self._instrument.lamps.apply(self._white_lamps())
+        self._take(white, self._session.calibration, counter)
+
+    def _white_lamps(self) -> tuple[LampSetting, ...]:
+        # each lamp that the plan ever lights, at its first current: the flux monitor does the rest
+        settings = {lamp.n: lamp for shot in reversed(self._plan.shots) for lamp in shot.lamps}
+        return tuple(settings[n] for n in sorted(settings))
+
+    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], counter: _Counter) -> None:
+        self._instrument.arm.move({name: shot.axis_deg(name) for name in AXES})
+        self._instrument.lamps.apply(shot.lamps)
+        self._take(frames, self._session.raw, counter)
+
+    def _take(self, frames: Iterable[Wanted], folder: Path, counter: _Counter) -> None:
+        for frame in frames:
+            self._take_frame(frame, folder / frame.name)
+            counter.advance()
+
+    def _take_frame(self, frame: Wanted, target: Path) -> None:
+        angles = self._instrument.arm.angles_deg()
+        before = self._instrument.camera.names()
+        exposure = self._instrument.lamps.expose(frame.exposure_s)
+        # the camera syncs file and folder before the row that vouches for them
+        self._instrument.camera.fetch(exposure.frame, before, target)
+        record = FrameRecord(
+            role=frame.role,
+            shot_index=frame.shot_index,
+            attempt=frame.attempt,
+            repeat=frame.repeat,
+            exposure_s=frame.exposure_s,
+            file=str(target.relative_to(self._session.root)),
+            sha256=sha256_file(target),
+            flux=exposure.flux,
+            **{f"{name}_deg": angle for name, angle in angles.items()},
+        )
+        self._journal.append_frame(self._instrument.clock, record)
+
+    def _note(self, kind: str, **data: object) -> None:
+        self._journal.append(self._instrument.clock, kind, **data)
+
+
+class _Counter:
+    """Counts frames for whoever watches."""
+
+    def __init__(self, total: int, progress: Progress | None) -> None:
+        self._done, self._total, self._progress = 0, total, progress
+        self._show()
+
+    def advance(self) -> None:
+        self._done += 1
+        self._show()
+
+    def _show(self) -> None:
+        if self._progress is not None:
+            self._progress(self._done, self._total)
+
+
+def check_reach(plan: Plan, rig: Rig) -> None:
+    """Refuse a plan before anything moves when the rig cannot reach all of it.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        Naming the axis and its travel.
+    """
+    for name, angle in WHITE_POSE_DEG.items():
+        rig.check_reach(name, angle)
+    for shot in plan.shots:
+        for name in AXES:
+            rig.check_reach(name, shot.axis_deg(name))
+
+
+def check_space(folder: Path, frames: int, rig: Rig) -> None:
+    """Refuse a capture that the disk will not hold.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        Saying how much is needed and how much there is.
+    """
+    need, free = frames * frame_bytes(rig) + _SPARE_BYTES, shutil.disk_usage(folder).free
+    if frames and need > free:
+        raise StorageError(
+            f"{folder}: the capture needs {need / 1e9:.2f} GB and the disk has {free / 1e9:.2f} GB "
+            "free; free some space or choose another folder with -o"
+        )

@@ -1,0 +1,93 @@
+"""Which frames a session needs, which it already has, and which are left to take."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gonio.files import sha256_file
+from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES, exposures_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from gonio.journal import FrameRecord, Role
+    from gonio.plan import Plan, Shot
+    from gonio.session import Session
+
+FrameKey = tuple[str, int, int, float]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A frame to take (fields as in `gonio.journal.FrameRecord`)."""
+
+    role: Role
+    shot_index: int
+    repeat: int
+    exposure_s: float
+    attempt: int
+    name: str
+
+    @property
+    def key(self) -> FrameKey:
+        """The same key as the record of this frame will have."""
+        return (self.role, self.shot_index, self.repeat, self.exposure_s)
+
+
+def verified_frames(
+    session: Session, records: Sequence[FrameRecord]
+) -> dict[FrameKey, FrameRecord]:
+    """Return the newest record of each frame whose file is there with the content it had."""
+    return {record.key: record for record in records if _is_intact(session, record)}
+
+
+def _is_intact(session: Session, record: FrameRecord) -> bool:
+    path = session.root / record.file
+    return path.is_file() and sha256_file(path) == record.sha256
+
+
+class Missing:
+    """The frames still to be taken, in the order of taking.
+
+    Parameters
+    ----------
+    session, plan
+        What is measured.
+    records
+        The journal's frames so far; those that verify are not taken again.
+    """
+
+    def __init__(self, session: Session, plan: Plan, records: Sequence[FrameRecord]) -> None:
+        self._have = verified_frames(session, records)
+        self._tries = Counter(record.key for record in records)
+        self._exposures = exposures_of(plan.shots)
+
+    def dark(self) -> list[Wanted]:
+        """Return the dark frames to take."""
+        return self._calibration("dark", DARK_FRAMES)
+
+    def white(self) -> list[Wanted]:
+        """Return the frames of the white reference to take."""
+        return self._calibration("white", WHITE_FRAMES)
+
+    def of_shot(self, shot: Shot) -> list[Wanted]:
+        """Return the frames of a shot to take."""
+        return self._missing("shot", shot.index, 1, shot.exposures_s)
+
+    def _calibration(self, role: Role, repeats: int) -> list[Wanted]:
+        return self._missing(role, 0, repeats, self._exposures)
+
+    def _missing(
+        self, role: Role, index: int, repeats: int, exposures: Sequence[float]
+    ) -> list[Wanted]:
+        frames = []
+        for number, exposure in enumerate(exposures):
+            for repeat in range(repeats):
+                key = (role, index, repeat, exposure)
+                if key not in self._have:
+                    attempt = self._tries[key] + 1
+                    name = f"{role}_{index:06d}_e{number}_r{repeat}_a{attempt}.dng"
+                    frames.append(Wanted(role, index, repeat, exposure, attempt, name))
+        return frames
