@@ -1,0 +1,59 @@
+"""Mirror facets: the highlight of metals, coats and polished surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.directions import half_vector
+from nnbrdf.analytic.base import AnalyticBrdf, Color, dot, schlick, turn
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class AnisotropicGGX(AnalyticBrdf):
+    """Facets of the GGX distribution, rougher along one tangent than along the other.
+
+    D F G / (4 cos(theta_l) cos(theta_v)) with the distribution of Walter et al. (2007), its
+    anisotropic form and Smith's height-correlated masking from Heitz (2014, equations 85 and 99),
+    and Schlick's Fresnel term.
+
+    Attributes
+    ----------
+    f0
+        Reflectance at normal incidence.
+    alpha_x, alpha_y
+        Roughness along the tangent and across it; grooves along x make alpha_y the larger.
+    phi
+        Azimuth of the tangent, from +x, in radians.
+    """
+
+    f0: Color
+    alpha_x: float
+    alpha_y: float
+    phi: float = 0.0
+
+    def _above(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
+        light, view = turn(light, self.phi), turn(view, self.phi)
+        half = half_vector(light, view)
+        shape = self._distribution(half) * self._visibility(light, view)
+        return shape[:, None] * schlick(dot(half, light), self.f0)
+
+    def _distribution(self, half: NDArray[np.float64]) -> NDArray[np.float64]:
+        slope = np.square(half / [self.alpha_x, self.alpha_y, 1.0]).sum(axis=1)
+        density: NDArray[np.float64] = 1.0 / (np.pi * self.alpha_x * self.alpha_y * slope**2)
+        return density
+
+    def _visibility(
+        self, light: NDArray[np.float64], view: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return G / (4 cos cos), written so that nothing is divided by one small cosine."""
+        stretch = [self.alpha_x, self.alpha_y, 1.0]
+        light_length = np.linalg.norm(light * stretch, axis=1)
+        view_length = np.linalg.norm(view * stretch, axis=1)
+        visible: NDArray[np.float64] = 0.5 / (light[:, 2] * view_length + view[:, 2] * light_length)
+        return visible
