@@ -1,0 +1,15 @@
+"""Sphinx configuration: Markdown pages, and the reference from the docstrings."""
+
+from gonio import __version__
+
+project = "gonio"
+author = "the gonio authors"
+copyright = "the gonio authors"  # noqa: A001
+release = __version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = "gonio"
+exclude_patterns = ["_build"]
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+myst_heading_anchors = 3

@@ -1,0 +1,108 @@
+"""The simulated rig of a session: which material it carries, and how it is put together."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+from sim.twin import Twin
+
+from gonio.capture import Instrument
+from gonio.clock import VirtualClock
+from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.errors import ResumeRefusedError
+from gonio.files import write_json
+from gonio.validation import Document, check, parse_json, read_text
+from sim.camera import SimCamera
+from sim.materials import load_material
+from sim.truth import write_truth
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from gonio.capture.instrument import Holder
+    from gonio.session import Session
+
+DEFAULT_MATERIAL = "wood-veneer"
+_REMEDY = "this session was not made with --sim, or its sim folder is damaged"
+
+
+class TwinSettings(Document):
+    """What a session's twin is made of, so that a resume makes the same."""
+
+    material: str
+    seed: int = Field(ge=0)
+
+
+def remember(session: Session, settings: TwinSettings) -> None:
+    """Store the twin's settings and its truth in a new session."""
+    material = load_material(settings.material)
+    write_truth(session.truth_path, material)
+    write_json(_path(session), settings.model_dump())
+
+
+def recall(session: Session, material: str | None, seed: int | None) -> TwinSettings:
+    """Return the settings a session was begun with.
+
+    Raises
+    ------
+    gonio.errors.ResumeRefusedError
+        When another material or seed is asked for now.
+    """
+    path = _path(session)
+    settings = check(
+        TwinSettings, parse_json(read_text(path, _REMEDY), path, _REMEDY), path, _REMEDY
+    )
+    asked = {"material": material, "seed": seed}
+    for name, value in asked.items():
+        begun = getattr(settings, name)
+        if value is not None and value != begun:
+            raise ResumeRefusedError(
+                f"{session.root}: was begun with {name} {begun}, not {value}; resume without "
+                f"--{name}, or start a new session with -o"
+            )
+    return settings
+
+
+@contextlib.contextmanager
+def simulated(session: Session, settings: TwinSettings) -> Iterator[tuple[Instrument, SimOperator]]:
+    """Put the twin together, on a clock that goes on where the session's journal ends."""
+    rig = session.rig()
+    frames = session.sim / "frames"
+    frames.mkdir(parents=True, exist_ok=True)
+    clock = VirtualClock(_last_time(session))
+    camera = SimCamera(rig, load_material(settings.material), settings.seed)
+    twin = Twin(rig, camera, clock, frames, settings.seed)
+    instrument = Instrument(
+        arm=Arm(twin.bus, rig, clock),
+        lamps=LampHead(twin.line, rig, clock),
+        camera=FolderCamera(LocalFolder(frames), rig, clock),
+        clock=clock,
+    )
+    yield instrument, SimOperator(twin)
+    shutil.rmtree(frames)
+
+
+class SimOperator:
+    """The twin changes the sample itself."""
+
+    def __init__(self, twin: Twin) -> None:
+        self._twin = twin
+
+    def place(self, what: Holder) -> None:
+        """Put the reference or the sample into the twin's holder."""
+        self._twin.holder = what
+
+
+def _path(session: Session) -> Path:
+    return session.sim / "twin.json"
+
+
+def _last_time(session: Session) -> float:
+    if not session.journal_path.is_file():
+        return 0.0
+    with session.journal() as journal:
+        return max((event.at_s for event in journal.events()), default=0.0)
