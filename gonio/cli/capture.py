@@ -127,13 +127,15 @@ def _measure(session: Session, settings: TwinSettings) -> None:
     from gonio.cli._twin import simulated
 
     began = time.perf_counter()
-    with session.lock(), session.journal(must_exist=False) as journal:
-        with simulated(session, settings) as (instrument, operator):
-            start_s = instrument.clock.now()
-            capture = Capture(session, instrument, operator, journal)
-            with progress_bar("capturing") as progress:
-                frames = capture.run(progress)
-            took_s = instrument.clock.now() - start_s
+    with (
+        session.lock(),
+        session.journal(must_exist=False) as journal,
+        simulated(session, settings) as (instrument, operator),
+        progress_bar("capturing") as progress,
+    ):
+        start_s = instrument.clock.now()
+        frames = Capture(session, instrument, operator, journal).run(progress)
+        took_s = instrument.clock.now() - start_s
     session.note_timing("capture", time.perf_counter() - began)
     _report(session, settings, frames, took_s)
 
