@@ -41,7 +41,7 @@ def dng_bytes(
     Parameters
     ----------
     mosaic
-        Raw values, shape (height, width); both even.
+        Raw values, shape (height, width).
     cfa
         Filter colors of the 2 x 2 cell, row by row.
     black, white

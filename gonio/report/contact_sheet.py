@@ -13,12 +13,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
 
 _COLUMNS = 3
-_SPHERE_PX = 200
+_SPHERE_PX = 180
 _DPI = 100
 
 
@@ -30,6 +31,11 @@ def write_contact_sheet(path: Path, materials: Mapping[str, Material]) -> None:
     gonio.errors.StorageError
         When the file cannot be written.
     """
+    # drawn inside, so that a path that cannot be written fails before the seconds that it takes
+    write_with(path, lambda aside: _figure(materials).savefig(aside, format="png"))
+
+
+def _figure(materials: Mapping[str, Material]) -> Figure:
     from matplotlib.figure import Figure
 
     rows = -(-len(materials) // _COLUMNS)
@@ -40,7 +46,7 @@ def write_contact_sheet(path: Path, materials: Mapping[str, Material]) -> None:
     for axis, (name, material) in zip(axes, materials.items(), strict=False):
         axis.imshow(_picture(material))
         axis.set_title(name, y=-0.12)
-    write_with(path, lambda aside: figure.savefig(aside, format="png"))
+    return figure
 
 
 def _picture(material: Material) -> NDArray[np.float64]:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Material
 
-_PASSES = 4
-_SOFTBOX_HALF_WIDTH = 0.1
+_PASSES = 3
+_SOFTBOX_HALF_WIDTH = 0.07
 _FILL = 0.15
 _FILL_FROM = from_degrees(75.0, -20.0)
 

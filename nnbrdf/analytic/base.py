@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 Color = tuple[float, float, float]
 
+# the cosine of 90 deg is 6e-17 in floating point, which is the horizon, not above it
+_HORIZON = 1e-12
+
 
 class AnalyticBrdf(ABC):
     """A reciprocal BRDF by formula, zero for a direction at or below the horizon."""
@@ -23,7 +26,7 @@ class AnalyticBrdf(ABC):
         light, view = np.broadcast_arrays(
             np.asarray(light, np.float64), np.asarray(view, np.float64)
         )
-        above = (light[..., 2] > 0) & (view[..., 2] > 0)
+        above = (light[..., 2] > _HORIZON) & (view[..., 2] > _HORIZON)
         result = np.zeros(light.shape)
         if above.any():
             result[above] = self._above(light[above], view[above])
