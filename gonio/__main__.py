@@ -1,0 +1,5 @@
+"""`python -m gonio` is `gonio`."""
+
+from gonio.cli import main
+
+main()
