@@ -47,7 +47,7 @@ class LazyGroup(click.Group):
 )
 @click.version_option(__version__, prog_name="gonio")
 def cli() -> None:
-    r"""Plan, run and complete gonioreflectometer measurements.
+    """Plan, run and complete gonioreflectometer measurements.
 
     \b
     From nothing to a material, on the simulated rig:
@@ -56,7 +56,7 @@ def cli() -> None:
         gonio reconstruct session/       raw frames -> BRDF samples -> NN-BRDF and report
 
     Each command works without options and says more with --help.
-    """
+    """  # noqa: D301 - click takes a real backspace as "do not wrap"
 
 
 def main() -> None:
