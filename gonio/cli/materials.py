@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     help="Also draw them larger, side by side, into this PNG file.",
 )
 def command(output: Path | None) -> None:
-    r"""Show the materials that the simulated rig can carry.
+    """Show the materials that the simulated rig can carry.
 
     Each is drawn on a sphere under a softbox from the upper left, its marked edge (+x, the grain)
     running from left to right. Anisotropy is how much the material changes when it is turned.
@@ -29,7 +29,7 @@ def command(output: Path | None) -> None:
         gonio materials
         gonio materials -o materials.png
         gonio capture --sim --material brushed-metal
-    """
+    """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._console import console
 
     console.print(_table(pictures=console.color_system is not None))

@@ -89,3 +89,7 @@ def test_tone_map_is_srgb_below_the_knee_and_never_clips_flat():
     mapped = tone_map(linear)
     np.testing.assert_array_equal(mapped[:4], [0, 7, 118, 188])
     assert (np.diff(mapped.astype(int)) > 0).all()
+
+
+def test_help_keeps_its_examples_on_lines_of_their_own():
+    assert "\n      gonio materials -o materials.png\n" in run("--help").stdout
