@@ -66,7 +66,7 @@ def command(
     operator: str,
     temperature_c: float | None,
 ) -> None:
-    r"""Measure a plan: dark frames, the white reference at 0:45, then every shot.
+    """Measure a plan: dark frames, the white reference at 0:45, then every shot.
 
     A capture that was stopped, however it was, goes on with --resume: frames that are
     there with the content the journal vouches for are not taken again.
@@ -76,7 +76,7 @@ def command(
         gonio capture --sim
         gonio capture --sim --material brushed-metal -o metal/
         gonio capture --sim --resume
-    """
+    """  # noqa: D301
     from gonio.cli._twin import DEFAULT_MATERIAL, TwinSettings, recall, remember
     from gonio.errors import BadInputError
     from gonio.plan import Plan

@@ -56,7 +56,7 @@ def command(
     steps: int | None,
     seed: int,
 ) -> None:
-    r"""Turn SOURCE into a material for the whole hemisphere, with error bars.
+    """Turn SOURCE into a material for the whole hemisphere, with error bars.
 
     SOURCE is a session's folder (its raw frames are reduced first), or a CSV table from
     any other rig with the columns light_theta_deg, light_phi_deg, view_theta_deg,
@@ -67,7 +67,7 @@ def command(
         gonio reconstruct session/
         gonio reconstruct session/ --steps 103000
         gonio reconstruct samples.csv -o model/
-    """
+    """  # noqa: D301
     from nnbrdf.estimators import PaperEstimator
 
     recipe = PaperEstimator(hidden=SIZES[weights], epochs=epochs, steps=steps, seed=seed)
