@@ -110,9 +110,8 @@ def command(
 
 def _plan_for(path: Path | None, rig: Rig) -> Plan:
     """Return the plan asked for, or plan.json, or a fresh `sixth`."""
-    from planner.make import make_plan
-
     from gonio.plan import Plan
+    from planner.make import make_plan
 
     found = path or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
     if found is not None:
