@@ -1,0 +1,91 @@
+"""`model.json`: what a model is, and what it was made from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from pydantic import Field, model_validator
+
+from gonio.errors import BadFileError
+from gonio.validation import Document, check, parse_json, read_text
+from nnbrdf.encoding import INPUTS
+from nnbrdf.network import weight_count
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SCHEMA: Final = "gonio.model/1"
+CARD_NAME = "model.json"
+REMEDY = "make the model again with: gonio reconstruct"
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class Card(Document):
+    """The model beside its weights.
+
+    Attributes
+    ----------
+    layers
+        Number of inputs, of each hidden layer's outputs, and of channels.
+    white
+        What the networks' output 1 means, in 1/sr.
+    delivered
+        Index of the member whose values count: the one with the median final loss.
+    final_losses
+        Mean absolute error of each member over the samples, in units of white.
+    channels
+        Of the samples; a single one is repeated three times in `grid.npz`.
+    weights
+        Number of weights and biases of one member.
+    samples, steps, seed
+        How many samples, how many batches, and which seed it was trained with.
+    provenance
+        SHA-256 hashes of what the samples were made from, by name.
+    """
+
+    schema_: Literal["gonio.model/1"] = Field(default=SCHEMA, alias="schema")
+    estimator: str
+    encoding: Literal["xyz"]
+    layers: tuple[Count, ...] = Field(min_length=2)
+    activation: Literal["softsign"]
+    white: float = Field(gt=0)
+    delivered: int = Field(ge=0)
+    final_losses: tuple[Annotated[float, Field(ge=0)], ...] = Field(min_length=2)
+    channels: tuple[str, ...]
+    color_space: str
+    weights: Count
+    samples: Count
+    steps: Count
+    seed: int = Field(ge=0)
+    provenance: dict[str, str]
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Card:
+        if self.layers[0] != INPUTS[self.encoding] or self.layers[-1] != len(self.channels):
+            raise ValueError("layers: does not begin with the inputs and end with the channels")
+        if len(self.channels) not in (1, 3):
+            raise ValueError(f"channels: must be one or three, not {len(self.channels)}")
+        if self.delivered >= len(self.final_losses):
+            raise ValueError("delivered: there is no such member")
+        if self.weights != weight_count(self.layers):
+            raise ValueError(f"weights: layers make {weight_count(self.layers)}")
+        return self
+
+
+def read_card(folder: Path) -> Card:
+    """Read and check `model.json` of a model's folder.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When it is missing, malformed or of another version.
+    """
+    path = folder / CARD_NAME
+    if not path.is_file():
+        raise BadFileError(folder, f"is not a model (it has no {CARD_NAME})", REMEDY)
+    data = parse_json(read_text(path, REMEDY), path, REMEDY)
+    found = data.get("schema") if isinstance(data, dict) else None
+    if found != SCHEMA:
+        raise BadFileError(path, f"has schema {found!r}, not {SCHEMA!r}", REMEDY)
+    return check(Card, data, path, REMEDY)

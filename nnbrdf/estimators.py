@@ -1,0 +1,156 @@
+"""What turns samples into a material with sigma, by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.errors import BadInputError, MissingExtraError
+from nnbrdf.card import Card
+from nnbrdf.encoding import ENCODINGS, INPUTS
+from nnbrdf.history import History
+from nnbrdf.model import NNBRDF
+from nnbrdf.network import glorot_uniform, weight_count
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from gonio.protocols import Estimator, Progress
+    from gonio.samples import Samples
+    from nnbrdf.history import Checkpoint
+
+MIN_SAMPLES = 8
+_ENCODING = "xyz"
+
+
+@dataclass
+class PaperEstimator:
+    """The NN-BRDF of Mikes and Haindl (2023), several times over to tell its spread.
+
+    SoftSign networks on the unit vectors of view and light, trained on min(value / white, 1), where
+    white is 4 x the samples' median. Samples flagged as clipped are kept: they are lower bounds,
+    and mostly above white, where targets end anyway. Sigmas of the samples are not used.
+
+    Attributes
+    ----------
+    hidden
+        Outputs of the hidden layers: (15, 30, 20) has 1268 weights, (3, 6, 4) has 88.
+    epochs, steps
+        How long to train; `steps`, batches of 32, goes before `epochs` where it is given.
+    seed
+        Of the starts and of the orders of the samples.
+    members
+        How many networks; sigma has one degree of freedom less.
+    """
+
+    hidden: tuple[int, ...] = (15, 30, 20)
+    epochs: int = 500
+    steps: int | None = None
+    seed: int = 0
+    members: int = 5
+    name: str = field(default="paper", init=False)
+
+    def __post_init__(self) -> None:
+        least = {"epochs": 1, "steps": 1, "seed": 0, "members": 2}
+        for name, minimum in least.items():
+            value = getattr(self, name)
+            if value is not None and value < minimum:
+                raise BadInputError(f"{name} is {value}; give at least {minimum}")
+        if min(self.hidden, default=1) < 1:
+            raise BadInputError(f"hidden is {self.hidden}; give each layer at least 1 output")
+
+    def fit(self, samples: Samples, progress: Progress | None = None) -> NNBRDF:
+        """Train the members and deliver the one with the median final loss.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            For fewer than 8 samples, values that are not finite, a negative sigma, or a number of
+            channels other than one or three.
+        gonio.errors.MissingExtraError
+            Where torch is not installed.
+        """
+        _check(samples)
+        history = self._train(samples, progress)
+        end = history.checkpoints[-1]
+        return NNBRDF(self._card(samples, end), end.networks, history)
+
+    def _train(self, samples: Samples, progress: Progress | None) -> History:
+        try:
+            from nnbrdf.training import epoch_steps, train
+        except ModuleNotFoundError as error:
+            if error.name != "torch":
+                raise
+            raise MissingExtraError("torch", "nn") from None
+        steps = self.steps or self.epochs * epoch_steps(len(samples))
+        sequence = np.random.SeedSequence(self.seed)
+        generators = [np.random.default_rng(each) for each in sequence.spawn(self.members)]
+        start = glorot_uniform(self._sizes(samples), generators)
+        inputs = ENCODINGS[_ENCODING](samples.light, samples.view)
+        checkpoints = train(start, inputs, _targets(samples), steps, generators, progress)
+        return History(tuple(checkpoints), _ENCODING, samples.white)
+
+    def _sizes(self, samples: Samples) -> tuple[int, ...]:
+        return (INPUTS[_ENCODING], *self.hidden, len(samples.channels))
+
+    def _card(self, samples: Samples, end: Checkpoint) -> Card:
+        return Card(
+            estimator=self.name,
+            encoding=_ENCODING,
+            layers=self._sizes(samples),
+            activation="softsign",
+            white=samples.white,
+            delivered=_median_index(end.loss),
+            final_losses=tuple(end.loss.tolist()),
+            channels=samples.channels,
+            color_space=samples.color_space,
+            weights=weight_count(self._sizes(samples)),
+            samples=len(samples),
+            steps=end.step,
+            seed=self.seed,
+            provenance=samples.provenance,
+        )
+
+
+def _check(samples: Samples) -> None:
+    samples.check()
+    if len(samples) < MIN_SAMPLES:
+        raise BadInputError(
+            f"there are {len(samples)} samples; a network needs at least {MIN_SAMPLES}, "
+            "so measure more directions"
+        )
+    if len(samples.channels) not in (1, 3):
+        raise BadInputError(
+            f"the samples have {len(samples.channels)} channels; estimator paper takes one or three"
+        )
+
+
+def _targets(samples: Samples) -> NDArray[np.float64]:
+    # noise below zero is cut off, which the mean absolute error, a median at heart, does not mind
+    return np.clip(samples.value / samples.white, 0.0, 1.0)
+
+
+def _median_index(loss: NDArray[np.float64]) -> int:
+    """Return which is the median; of an even number, the lower of the two."""
+    return int(np.argsort(loss, kind="stable")[(len(loss) - 1) // 2])
+
+
+ESTIMATORS: dict[str, Callable[..., Estimator]] = {"paper": PaperEstimator}
+"""Factories by name; each takes the settings of its estimator as keywords."""
+
+
+def estimator_named(name: str) -> Callable[..., Estimator]:
+    """Return an estimator's factory.
+
+    Raises
+    ------
+    BadInputError
+        For an unknown name, listing the known.
+    """
+    if name not in ESTIMATORS:
+        raise BadInputError(f"estimator {name!r} is not known; use {', '.join(ESTIMATORS)}")
+    return ESTIMATORS[name]

@@ -1,0 +1,98 @@
+"""Small fully connected networks, several of one shape stacked; NumPy only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Networks:
+    """Members of one shape, evaluated together: SoftSign in the hidden layers, linear output.
+
+    Attributes
+    ----------
+    layers
+        One array a layer, shape (members, outputs, inputs + 1); the last column is the bias.
+    """
+
+    layers: tuple[NDArray[Any], ...]
+
+    @property
+    def members(self) -> int:
+        """How many networks are stacked."""
+        return int(self.layers[0].shape[0])
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Number of inputs, then of each layer's outputs."""
+        return (self.layers[0].shape[2] - 1, *(layer.shape[1] for layer in self.layers))
+
+    def member(self, index: int) -> Networks:
+        """Return one of the networks, as a stack of one."""
+        return Networks(tuple(layer[index][None] for layer in self.layers))
+
+    def forward(self, inputs: NDArray[Any]) -> NDArray[np.float64]:
+        """Return what each member makes of each input.
+
+        Parameters
+        ----------
+        inputs
+            Shape (n, inputs).
+
+        Returns
+        -------
+        ndarray
+            Shape (members, n, outputs), in double precision: its round-off hangs on how the
+            inputs are split into chunks, and must not show.
+        """
+        signal = np.asarray(inputs, np.float64).T[None]
+        for index, layer in enumerate(self.layers):
+            wide = layer.astype(np.float64)
+            total = wide[:, :, :-1] @ signal + wide[:, :, -1:]
+            is_output = index == len(self.layers) - 1
+            signal = total if is_output else softsign(total)
+        return np.swapaxes(signal, 1, 2)
+
+
+def softsign(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return x / (1 + |x|)."""
+    result: NDArray[np.float64] = x / (1.0 + np.abs(x))
+    return result
+
+
+def weight_count(sizes: Sequence[int]) -> int:
+    """Return how many weights and biases one network has: 1268 for 6-15-30-20-3."""
+    return sum((n + 1) * m for n, m in pairwise(sizes))
+
+
+def glorot_uniform(
+    sizes: Sequence[int],
+    generators: Sequence[np.random.Generator],
+    dtype: type[np.floating[Any]] = np.float32,
+) -> Networks:
+    """Start one network a generator: weights uniform in +-sqrt(6 / (inputs + outputs)), biases 0.
+
+    Glorot and Bengio (2010), equation 16.
+    """
+    members = [_glorot_member(sizes, generator, dtype) for generator in generators]
+    return Networks(tuple(np.stack(layer) for layer in zip(*members, strict=True)))
+
+
+def _glorot_member(
+    sizes: Sequence[int], generator: np.random.Generator, dtype: type[np.floating[Any]]
+) -> list[NDArray[Any]]:
+    layers = []
+    for n, m in pairwise(sizes):
+        limit = np.sqrt(6.0 / (n + m))
+        weights = generator.uniform(-limit, limit, (m, n))
+        layers.append(np.concatenate([weights, np.zeros((m, 1))], axis=1).astype(dtype))
+    return layers
