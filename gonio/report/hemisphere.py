@@ -9,6 +9,7 @@ import numpy as np
 from gonio.directions import to_spherical
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from matplotlib.projections.polar import PolarAxes
@@ -41,7 +42,7 @@ def draw_hemisphere(axes: PolarAxes, chosen: ArrayLike, candidates: ArrayLike, t
     axes.set_title(title, fontsize="medium", pad=4)
 
 
-def save_hemispheres(path: Path, chosen: dict[str, ArrayLike], candidates: ArrayLike) -> None:
+def save_hemispheres(path: Path, chosen: Mapping[str, ArrayLike], candidates: ArrayLike) -> None:
     """Write a PNG with one hemisphere beside the other.
 
     Parameters
