@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+Arm = Literal["view", "light"]
 Density = str | int
 """`all`, `sixth`, or a number of directions (as a number or in digits)."""
 
@@ -28,7 +29,7 @@ def split_density(density: Density) -> tuple[Density, Density]:
     return density, density
 
 
-def count_of(density: Density, candidates: int, reachable: int, what: str) -> int:
+def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int:
     """Return how many directions a density means.
 
     Parameters
@@ -37,8 +38,8 @@ def count_of(density: Density, candidates: int, reachable: int, what: str) -> in
         `all` means all that can be reached, `sixth` a sixth of the candidates.
     candidates, reachable
         How many directions there are, and how many of them the rig can take.
-    what
-        What they are, for the message: "views" or "lights".
+    arm
+        Which arm they are for, for the message.
 
     Raises
     ------
@@ -53,12 +54,13 @@ def count_of(density: Density, candidates: int, reachable: int, what: str) -> in
         count = 0
     if not 1 <= count <= candidates:
         raise BadInputError(
-            f"{what}: {density!r} is no density; use all, sixth, a number from 1 to {candidates}, "
+            f"{arm}s: {density!r} is no density; use all, sixth, a number from 1 to {candidates}, "
             f"or for views and lights together {', '.join(PAPER_SUBSETS)}"
         )
     if count > reachable:
         raise BadInputError(
-            f"{what}: {count} directions are asked for, and the rig's travel reaches {reachable} "
-            f"of {candidates}; ask for fewer or all, or correct the travel in the rig file"
+            f"{arm}s: {count} directions are asked for, but the travel of {arm}_theta and "
+            f"{arm}_phi reaches {reachable} of {candidates}; ask for fewer or all, or correct "
+            "min_deg and max_deg in the rig file"
         )
     return count

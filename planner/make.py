@@ -94,8 +94,8 @@ def _choose(
     choice = criterion_named(criterion).choose(
         candidates.directions[view_reach],
         candidates.directions[light_reach],
-        count_of(views, len(candidates), len(view_reach), "views"),
-        count_of(lights, len(candidates), len(light_reach), "lights"),
+        count_of(views, len(candidates), len(view_reach), "view"),
+        count_of(lights, len(candidates), len(light_reach), "light"),
     )
     chosen = np.zeros_like(reach)
     chosen[np.ix_(light_reach[choice.lights], view_reach[choice.views])] = True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,13 +14,12 @@ if TYPE_CHECKING:
 
     from gonio.rig import Rig
     from planner.candidates import Candidates
+    from planner.density import Arm
 
 _ROUND_OFF = 1e-9
 
 
-def within_travel(
-    candidates: Candidates, rig: Rig, arm: Literal["view", "light"]
-) -> NDArray[np.bool_]:
+def within_travel(candidates: Candidates, rig: Rig, arm: Arm) -> NDArray[np.bool_]:
     """Return which candidates both axes of an arm can point at, shape (n,).
 
     Raises
