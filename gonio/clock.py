@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import time
 from datetime import UTC, datetime, timedelta
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 _VIRTUAL_EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
 
@@ -49,14 +54,25 @@ class VirtualClock:
 
     def __init__(self, start: float = 0.0) -> None:
         self._now = start
+        self._alarms: list[tuple[float, int, Callable[[], None]]] = []
+        self._number = itertools.count()
 
     def now(self) -> float:
         """Return the virtual seconds passed."""
         return self._now
 
     def sleep(self, seconds: float) -> None:
-        """Advance by `seconds` at once."""
-        self._now += max(seconds, 0.0)
+        """Advance by `seconds` at once, doing on the way what `call_at` asked for."""
+        until = self._now + max(seconds, 0.0)
+        while self._alarms and self._alarms[0][0] <= until:
+            when, _, action = heapq.heappop(self._alarms)
+            self._now = max(self._now, when)
+            action()
+        self._now = until
+
+    def call_at(self, when: float, action: Callable[[], None]) -> None:
+        """Call `action`, which must not sleep, once when the time `when` is passed."""
+        heapq.heappush(self._alarms, (when, next(self._number), action))
 
     def utc(self) -> datetime:
         """Return the virtual date and time."""
