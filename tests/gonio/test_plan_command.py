@@ -1,0 +1,77 @@
+import json
+
+import numpy as np
+import pytest
+
+from gonio.plan import Plan
+from gonio.rig import default_rig_text
+
+SUBSETS = [
+    # options, views, lights, shots
+    ((), 14, 14, 196),
+    (("--density", "vs-ia"), 14, 81, 1134),
+    (("--density", "va-is"), 81, 14, 1134),
+    (("--density", "3", "--views", "5"), 5, 3, 15),
+    (("--views", "2", "--lights", "4"), 2, 4, 8),
+]
+
+
+@pytest.mark.parametrize(
+    ("options", "views", "lights", "shots"), SUBSETS, ids=[" ".join(s[0]) for s in SUBSETS]
+)
+def test_the_file_and_the_table_agree(gonio, tmp_path, options, views, lights, shots):
+    result = gonio("plan", *options)
+    assert result.returncode == 0, result.stderr
+    plan = Plan.load(tmp_path / "plan.json")
+    assert (plan.selection.views, plan.selection.lights, len(plan.shots)) == (views, lights, shots)
+    assert f"{shots}, {shots / 6561:.1%} of the full set" in result.stdout
+    assert f"{plan.selection.reciprocal_pairs} pairs" in result.stdout
+    assert plan.sha256 in result.stdout
+    for word in ("moving", "settling", "exposing", "overhead", "storage", "not chosen"):
+        assert word in result.stdout
+
+
+def test_the_plan_is_what_others_expect_to_read(gonio, tmp_path):
+    assert gonio("plan", "--density", "2", "-o", "deep/p.json").returncode == 0
+    plan = json.loads((tmp_path / "deep/p.json").read_text())
+    assert plan["schema"] == "gonio.plan/1"
+    assert {"sha256", "shots", "selection", "left_out", "estimates"} <= set(plan)
+    assert set(plan["shots"][0]) == {
+        "index", "light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg",
+        "exposures_s", "lamps",
+    }  # fmt: skip
+    assert set(plan["shots"][0]["lamps"][0]) == {"n", "mA"}
+
+
+def test_a_plan_that_is_there_is_replaced_and_again_the_same(gonio, tmp_path):
+    (tmp_path / "plan.json").write_text("old")
+    assert gonio("plan", "--density", "2").returncode == 0
+    first = (tmp_path / "plan.json").read_bytes()
+    assert gonio("plan", "--density", "2").returncode == 0
+    assert (tmp_path / "plan.json").read_bytes() == first
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
+
+
+def test_a_refused_plan_leaves_the_old_one(gonio, tmp_path):
+    (tmp_path / "plan.json").write_text("old")
+    assert gonio("plan", "--density", "lots").returncode == 2
+    assert (tmp_path / "plan.json").read_text() == "old"
+
+
+def test_a_rig_of_ones_own(gonio, tmp_path):
+    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 20.0")
+    (tmp_path / "rig.toml").write_text(text)
+    result = gonio("plan", "--rig", "rig.toml")
+    assert "closer than 20 deg (arm.min_separation_deg)" in result.stdout
+    assert len(Plan.load(tmp_path / "plan.json").shots) < 196
+
+
+def test_the_plot_shows_the_chosen_directions(gonio, tmp_path):
+    from matplotlib.image import imread
+
+    blue = []
+    for density in (5, 50):
+        assert gonio("plan", "--density", density, "--plot", "d.png").returncode == 0
+        image = imread(tmp_path / "d.png")
+        blue.append(int(np.sum(image[..., 2] > image[..., 0] + 0.3)))
+    assert 5 < blue[1] / blue[0] < 20
