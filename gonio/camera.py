@@ -35,10 +35,11 @@ class Camera:
         """Return the pixels (column, row), shape (n, 2), of points in mm, shape (n, 3)."""
         import cv2
 
-        points = np.asarray(points_mm, np.float64).reshape(-1, 1, 3)
-        turn, _ = cv2.Rodrigues(_turn(pose))
-        shift = np.array([0.0, 0.0, 1000.0 * self.spec.distance_m])
-        pixels, _ = cv2.projectPoints(points, turn, shift, self.matrix, self.distortion)
+        # turned here: cv2.Rodrigues loses half the digits near half a turn, the view from above
+        points = np.asarray(points_mm, np.float64).reshape(-1, 3) @ _turn(pose).T
+        points[:, 2] += 1000.0 * self.spec.distance_m
+        still = np.zeros(3)
+        pixels, _ = cv2.projectPoints(points, still, still, self.matrix, self.distortion)
         return np.asarray(pixels, np.float64).reshape(-1, 2)
 
     def plane_points(self, pose: ArmPose) -> NDArray[np.float64]:
