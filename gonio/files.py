@@ -28,7 +28,7 @@ def canonical_json(value: Any) -> bytes:
     text = json.dumps(
         value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False
     )
-    return text.encode()
+    return _utf8(text)
 
 
 def sha256_bytes(data: bytes) -> str:
@@ -88,7 +88,12 @@ def write_bytes(path: Path, data: bytes) -> None:
 def write_json(path: Path, value: Any) -> None:
     """Write `value` as readable JSON with sorted keys, whole or not at all."""
     text = json.dumps(value, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
-    write_bytes(path, (text + "\n").encode())
+    write_bytes(path, _utf8(text + "\n"))
+
+
+def _utf8(text: str) -> bytes:
+    # half a surrogate pair, as from a name that is not text, becomes the escape JSON has for it
+    return text.encode("utf-8", "backslashreplace")
 
 
 def move_into(source: Path, target: Path) -> None:

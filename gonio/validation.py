@@ -45,16 +45,18 @@ def parse_json(text: str, path: Path, remedy: str) -> Any:
     """Parse JSON text that came from `path`."""
     try:
         return json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
-        where = f"line {error.lineno}: {error.msg}" if isinstance(error, ValueError) else str(error)
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}: {error.msg}"
         raise BadFileError(path, f"is not JSON ({where})", remedy) from None
+    except (ValueError, RecursionError) as error:  # endless digits, endless brackets
+        raise BadFileError(path, f"is not JSON ({error})", remedy) from None
 
 
 def parse_toml(text: str, path: Path, remedy: str) -> Any:
     """Parse TOML text that came from `path`."""
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise BadFileError(path, f"is not TOML ({error})", remedy) from None
 
 
