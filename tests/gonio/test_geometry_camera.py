@@ -75,7 +75,7 @@ def test_each_pixel_sees_its_point_of_the_plane(pose, spec):
     hit = np.isfinite(points[:, 0])
     assert hit.any()
     assert (points[hit, 2] == 0).all()
-    np.testing.assert_allclose(camera.project(points[hit], pose), pixels[hit], atol=1e-4)
+    np.testing.assert_allclose(camera.project(points[hit], pose), pixels[hit], atol=1e-5)
 
 
 def test_distortion_moves_the_corners():

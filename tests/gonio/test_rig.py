@@ -76,6 +76,8 @@ FOREIGN = [
     # name, content (None: no file), what is said
     ("missing", None, "no such file"),
     ("not TOML", b"[arm", "is not TOML"),
+    ("deep", b"a = " + b"[" * 100_000, "is not TOML"),
+    ("long number", b"a = " + b"9" * 5000, "is not TOML"),
     ("not text", b"\xff\xfe\x00", "is not text"),
     ("empty", b"", "arm: is missing (and 4 more)"),
 ]
