@@ -1,1 +1,7 @@
 """From raw frames to BRDF samples."""
+
+from __future__ import annotations
+
+from gonio.reduce.reduce import PATCH_MM, reduce_session
+
+__all__ = ["PATCH_MM", "reduce_session"]

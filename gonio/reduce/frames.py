@@ -1,0 +1,136 @@
+"""The frames of a session, each used only with the content that the journal vouches for."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gonio.errors import BadFileError, BadInputError
+from gonio.geometry import ArmPose
+from gonio.reduce.raw import REMEDY, read_raw
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from gonio.journal import FrameRecord, Role
+    from gonio.plan import Shot
+    from gonio.reduce.raw import RawFrame, Sensor
+    from gonio.rig import CameraSpec
+
+_Place = tuple[str, int, float]
+"""Role, shot and exposure asked for."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A raw frame and what the journal knows about it."""
+
+    record: FrameRecord
+    raw: RawFrame
+
+    @property
+    def view(self) -> ArmPose:
+        """The camera's pose by the encoders."""
+        return ArmPose.from_degrees(self.record.view_theta_deg, self.record.view_phi_deg)
+
+    @property
+    def light(self) -> ArmPose:
+        """The light's pose by the encoders."""
+        return ArmPose.from_degrees(self.record.light_theta_deg, self.record.light_phi_deg)
+
+
+class Frames:
+    """Finds and reads frames; of several tries at one, the newest that is valid.
+
+    Parameters
+    ----------
+    root
+        The session's folder.
+    spec
+        The camera that took them.
+    records
+        The journal's frames, oldest first.
+
+    Attributes
+    ----------
+    problems
+        What was wrong with each calibration frame that was left out, by role.
+    """
+
+    def __init__(self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord]) -> None:
+        self._root, self._spec = root, spec
+        self._sensor: Sensor | None = None
+        self._tries: dict[_Place, dict[int, list[FrameRecord]]] = defaultdict(dict)
+        for record in records:
+            repeats = self._tries[record.role, record.shot_index, record.exposure_s]
+            repeats.setdefault(record.repeat, []).append(record)
+        self.problems: dict[Role, list[str]] = {"dark": [], "white": []}
+
+    @property
+    def sensor(self) -> Sensor:
+        """What took the frames, known once one is read."""
+        assert self._sensor is not None
+        return self._sensor
+
+    def of_shot(self, shot: Shot) -> list[Frame]:
+        """Return the whole bracket of a shot.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When a frame of it is missing or damaged.
+        """
+        return [
+            self._newest(tries)
+            for exposure_s in shot.exposures_s
+            for tries in self._repeats("shot", shot.index, exposure_s).values()
+        ]
+
+    def of_calibration(self, role: Role, exposure_s: float) -> list[Frame]:
+        """Return the valid dark or white frames of one exposure; `problems` notes the others."""
+        frames = []
+        for tries in self._tries.get((role, 0, exposure_s), {}).values():
+            try:
+                frames.append(self._newest(tries))
+            except BadInputError as error:
+                self.problems[role].append(str(error))
+        return frames
+
+    def _repeats(self, role: Role, index: int, exposure_s: float) -> dict[int, list[FrameRecord]]:
+        repeats = self._tries.get((role, index, exposure_s))
+        if not repeats:
+            raise BadInputError(f"shot {index}: no frame of {exposure_s:g} s; {REMEDY}")
+        return repeats
+
+    def _newest(self, tries: list[FrameRecord]) -> Frame:
+        newest_problem: BadFileError | None = None
+        for record in sorted(tries, key=lambda record: record.attempt, reverse=True):
+            try:
+                return Frame(record, self._read(record))
+            except BadFileError as error:
+                newest_problem = newest_problem or error
+        assert newest_problem is not None
+        raise newest_problem
+
+    def _read(self, record: FrameRecord) -> RawFrame:
+        path = self._root / record.file
+        raw = read_raw(path, record.sha256)
+        self._check_sensor(raw.sensor, path)
+        # the tolerance that the rig's protocol grants the shutter
+        if abs(raw.exposure_s - record.exposure_s) > 0.01 * record.exposure_s + 100e-6:
+            problem = f"was open {raw.exposure_s:g} s, not the {record.exposure_s:g} s asked for"
+            raise BadFileError(path, problem, REMEDY)
+        return raw
+
+    def _check_sensor(self, sensor: Sensor, path: Path) -> None:
+        size, wanted = (sensor.width, sensor.height), (self._spec.width, self._spec.height)
+        if size != wanted:
+            problem = f"is {size[0]} x {size[1]} px, not {wanted[0]} x {wanted[1]} as in rig.toml"
+            raise BadFileError(path, problem, "set [camera] width and height to the camera's")
+        if self._sensor is None:
+            self._sensor = sensor
+        if sensor != self._sensor:
+            problem = "differs from the first frame in filter pattern, levels, ISO or ColorMatrix1"
+            raise BadFileError(path, problem, "take all frames with one camera at one setting")

@@ -1,0 +1,136 @@
+"""The pixels that see the middle of the sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.camera import Camera
+from gonio.directions import normalize
+from gonio.errors import BadInputError
+from gonio.geometry import SAMPLE_SIDE_MM
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gonio.geometry import ArmPose
+    from gonio.reduce.raw import Sensor
+    from gonio.rig import CameraSpec
+
+_MM_PER_M = 1000.0
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The pixels whose rays meet a square about the sample's centre.
+
+    Attributes
+    ----------
+    rows, columns
+        Where they are, shape (n,).
+    channel
+        0, 1 or 2 for red, green or blue, shape (n,).
+    points_mm
+        Where they look, shape (n, 3).
+    view
+        Mean direction from there to the camera, shape (3,).
+    solid_angle
+        Of the square as the camera sees it, in sr: the view directions that its mean covers.
+    """
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    channel: NDArray[np.intp]
+    points_mm: NDArray[np.float64]
+    view: NDArray[np.float64]
+    solid_angle: float
+
+    @property
+    def pixels(self) -> NDArray[np.intp]:
+        """How many of each channel, shape (3,)."""
+        return np.bincount(self.channel, minlength=3)
+
+    def of(self, mosaic: NDArray[np.generic]) -> NDArray[np.float64]:
+        """Return the patch's pixels of a frame, shape (height, width) to (n,)."""
+        return np.asarray(mosaic[self.rows, self.columns], np.float64)
+
+    def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mean over each channel's pixels, shape (n,) to (3,)."""
+        total = np.bincount(self.channel, weights=values, minlength=3)
+        return np.asarray(total / self.pixels, np.float64)
+
+
+class PatchFinder:
+    """Finds the patch for a pose of the camera; the last few are kept.
+
+    Parameters
+    ----------
+    spec
+        The camera.
+    side_mm
+        Side of the square.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        When the square is not on the sample.
+    """
+
+    def __init__(self, spec: CameraSpec, side_mm: float) -> None:
+        if not 0 < side_mm <= SAMPLE_SIDE_MM:
+            raise BadInputError(
+                f"a patch of {side_mm:g} mm does not fit the sample; use a side above 0 and up to "
+                f"{SAMPLE_SIDE_MM:g} mm"
+            )
+        self._spec, self._side_mm = spec, side_mm
+        # the frames of a bracket share a pose
+        self.find = lru_cache(maxsize=8)(self._find)
+
+    def _find(self, pose: ArmPose, sensor: Sensor) -> Patch:
+        """Return the patch.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When a channel has no pixel in it.
+        """
+        left, top, window = self._window(pose)
+        points = Camera(window).plane_points(pose)
+        # a ray that misses the plane is NaN, which is inside nothing
+        inside = (np.abs(points) <= self._side_mm / 2.0).all(axis=-1)
+        rows, columns = np.nonzero(inside)
+        channel = sensor.channel(rows + top, columns + left)
+        if len(np.unique(channel)) < 3:
+            raise BadInputError(
+                f"the camera at {np.degrees(pose.theta):.1f} deg sees the patch of "
+                f"{self._side_mm:g} mm with too few pixels; use a larger --patch-mm"
+            )
+        points = points[inside]
+        eye = pose.place(_MM_PER_M * self._spec.distance_m)
+        return Patch(
+            rows=rows + top,
+            columns=columns + left,
+            channel=channel,
+            points_mm=points,
+            view=normalize(normalize(eye - points).mean(axis=0)),
+            solid_angle=self._side_mm**2 * np.cos(pose.theta) / (eye @ eye),
+        )
+
+    def _window(self, pose: ArmPose) -> tuple[int, int, CameraSpec]:
+        """Return the left column, top row and camera of the part of the picture that matters."""
+        half = self._side_mm / 2.0
+        # with the middles of the sides, which distortion may push out beyond the corners
+        steps = (-half, 0.0, half)
+        square = [(x, y, 0.0) for x in steps for y in steps]
+        pixels = Camera(self._spec).project(square, pose)
+        size = (self._spec.width, self._spec.height)
+        low = np.clip(np.floor(pixels.min(axis=0)) - 2, 0, np.array(size) - 2).astype(int)
+        high = np.clip(np.ceil(pixels.max(axis=0)) + 3, low + 2, size).astype(int)
+        width, height = (high - low).tolist()
+        x, y = self._spec.centre_px
+        left, top = low.tolist()
+        shape = {"width": width, "height": height, "centre_px": (x - left, y - top)}
+        return left, top, self._spec.model_copy(update=shape)

@@ -1,0 +1,193 @@
+"""Raw frames as the sensor gave them: the Bayer plane of a DNG, never demosaiced."""
+
+from __future__ import annotations
+
+import io
+import logging
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from gonio.errors import BadFileError
+from gonio.files import sha256_bytes
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+REMEDY: Final = "take it again with: gonio capture --resume"
+_NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
+
+_CFA = 32803
+_EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1 = 34665, 262, 50721
+_SATURATED = 0.98
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What all frames of one camera at one setting have in common.
+
+    Attributes
+    ----------
+    width, height
+        In pixels.
+    pattern
+        Filter colors of the 2 x 2 cell, row by row, such as "RGGB".
+    black, white
+        BlackLevel (the highest of the cell) and WhiteLevel, in raw units.
+    iso
+        Sensitivity; None where the file does not say.
+    color_matrix
+        ColorMatrix1, XYZ to camera RGB, nine numbers row by row.
+    """
+
+    width: int
+    height: int
+    pattern: str
+    black: int
+    white: int
+    iso: int | None
+    color_matrix: tuple[float, ...]
+
+    @property
+    def saturation(self) -> float:
+        """The raw value from which a pixel counts as saturated: 98 % of the range.
+
+        Sensors bend before they clip.
+        """
+        return self.black + _SATURATED * (self.white - self.black)
+
+    def channel(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return 0, 1 or 2 for pixels behind a red, green or blue filter."""
+        cell = np.array(["RGB".index(color) for color in self.pattern])
+        channel: NDArray[np.intp] = cell[2 * (rows % 2) + columns % 2]
+        return channel
+
+
+@dataclass(frozen=True)
+class RawFrame:
+    """One exposure.
+
+    Attributes
+    ----------
+    mosaic
+        Raw values, black level included, shape (height, width).
+    exposure_s
+        How long the shutter truly was open, by the file.
+    sensor
+        What took it.
+    """
+
+    mosaic: NDArray[np.uint16]
+    exposure_s: float
+    sensor: Sensor
+
+
+def read_raw(path: Path, sha256: str | None = None) -> RawFrame:
+    """Read a DNG file with one Bayer plane.
+
+    Parameters
+    ----------
+    path
+        The file.
+    sha256
+        What its content must hash to, in hexadecimal; LibRaw reads a damaged plane in silence.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When it is missing, changed since it was taken, cut short, or no such DNG.
+    """
+    data = _content(path, sha256)
+    tags = _tags(data, path)
+    mosaic, pattern, black, white = _decode(data, path)
+    sensor = Sensor(
+        width=mosaic.shape[1],
+        height=mosaic.shape[0],
+        pattern=pattern,
+        black=black,
+        white=white,
+        iso=_iso(tags),
+        color_matrix=_color_matrix(tags, path),
+    )
+    return RawFrame(mosaic, _exposure_s(tags, path), sensor)
+
+
+def _content(path: Path, sha256: str | None) -> bytes:
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise BadFileError(path, "no such file", REMEDY) from None
+    except OSError as error:
+        raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
+    if sha256 is not None and sha256_bytes(data) != sha256:
+        raise BadFileError(path, "has changed since the journal vouched for it", REMEDY)
+    return data
+
+
+def _tags(data: bytes, path: Path) -> dict[int, Any]:
+    """Return the tags of the first directory: LibRaw keeps neither ExposureTime nor the matrix."""
+    import tifffile
+
+    # it would print its own opinion of a broken file beside our one line
+    logging.getLogger("tifffile").disabled = True
+    try:
+        with tifffile.TiffFile(io.BytesIO(data)) as tiff:
+            page = tiff.pages.first
+            tags = {tag.code: tag.value for tag in page.tags.values()}
+            end = max(map(sum, zip(page.dataoffsets, page.databytecounts, strict=True)), default=0)
+    except (ValueError, TypeError, LookupError, AttributeError, OSError, struct.error) as error:
+        raise BadFileError(path, f"is not a DNG ({error})", _NOT_OURS) from None
+    if tags.get(_PHOTOMETRIC) != _CFA:
+        raise BadFileError(path, "holds no Bayer plane", _NOT_OURS)
+    if end > len(data):
+        raise BadFileError(path, f"is cut short, by {end - len(data)} bytes", REMEDY)
+    return tags
+
+
+def _decode(data: bytes, path: Path) -> tuple[NDArray[np.uint16], str, int, int]:
+    import rawpy
+
+    try:
+        with rawpy.imread(io.BytesIO(data)) as raw:
+            # the array is LibRaw's own memory, gone with the file
+            mosaic = np.array(raw.raw_image, np.uint16)
+            pattern = "".join(chr(raw.color_desc[i]) for i in raw.raw_pattern.ravel())
+            black, white = max(raw.black_level_per_channel), int(raw.white_level)
+    except rawpy.LibRawError as error:
+        raise BadFileError(path, f"cannot be decoded ({_reason(error)})", REMEDY) from None
+    except (AttributeError, LookupError, NotImplementedError, TypeError, ValueError):
+        # no pattern, or one of colors that the file does not have
+        raise BadFileError(path, "holds no Bayer plane", _NOT_OURS) from None
+    if mosaic.ndim != 2 or sorted(pattern) != ["B", "G", "G", "R"] or white <= black:
+        raise BadFileError(path, "is not a red, green and blue Bayer plane", _NOT_OURS)
+    return mosaic, pattern, int(black), white
+
+
+def _reason(error: Exception) -> str:
+    first = error.args[0] if error.args else type(error).__name__
+    return first.decode("ascii", "replace") if isinstance(first, bytes) else str(first)
+
+
+def _exposure_s(tags: dict[int, Any], path: Path) -> float:
+    exif = tags.get(_EXIF)
+    ratio = exif.get("ExposureTime") if isinstance(exif, dict) else None
+    if not (isinstance(ratio, tuple) and len(ratio) == 2 and min(ratio) > 0):
+        raise BadFileError(path, "states no ExposureTime", _NOT_OURS)
+    return float(ratio[0]) / float(ratio[1])
+
+
+def _iso(tags: dict[int, Any]) -> int | None:
+    exif = tags.get(_EXIF)
+    iso = exif.get("ISOSpeedRatings") if isinstance(exif, dict) else None
+    return iso if isinstance(iso, int) else None
+
+
+def _color_matrix(tags: dict[int, Any], path: Path) -> tuple[float, ...]:
+    parts = tags.get(_COLOR_MATRIX_1)
+    if not (isinstance(parts, tuple) and len(parts) == 18 and all(parts[1::2])):
+        raise BadFileError(path, "has no ColorMatrix1 of 3 x 3", _NOT_OURS)
+    return tuple(float(n) / float(d) for n, d in zip(parts[::2], parts[1::2], strict=True))

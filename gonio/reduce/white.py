@@ -1,0 +1,76 @@
+"""The white reference: how much each of the camera's channels answers to a known BRDF."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.directions import normalize
+from gonio.errors import BadInputError
+from gonio.reduce.merge import merge
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from gonio.protocols import Material
+    from gonio.reduce.merge import Rate
+    from gonio.reduce.reading import Reading
+
+
+@dataclass(frozen=True)
+class Response:
+    """How a rate becomes a BRDF.
+
+    Attributes
+    ----------
+    rate_per_brdf
+        Of a white-balanced camera channel, in the unit of `Rate` per 1/sr, shape (3,).
+    relative_variance
+        Of that, shape (3,): the same error in every sample of a session.
+    camera_from_srgb
+        Linear sRGB to white-balanced camera RGB, shape (3, 3).
+    """
+
+    rate_per_brdf: NDArray[np.float64]
+    relative_variance: NDArray[np.float64]
+    camera_from_srgb: NDArray[np.float64]
+
+    def brdf(self, rate: Rate) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the BRDF in linear sRGB and one standard uncertainty, in 1/sr, shape (3,) each."""
+        camera = rate.value / self.rate_per_brdf
+        variance = rate.variance / self.rate_per_brdf**2 + camera**2 * self.relative_variance
+        srgb_from_camera = np.linalg.inv(self.camera_from_srgb)
+        # the camera's channels err independently, the sRGB channels made of them do not
+        return srgb_from_camera @ camera, np.sqrt(srgb_from_camera**2 @ variance)
+
+
+def respond(
+    readings: Sequence[Reading],
+    gain: float,
+    reference: Material,
+    camera_from_srgb: NDArray[np.float64],
+) -> Response:
+    """Compare the white frames' rate with the reference's BRDF at their true directions.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        When they are dark, or saturated in every exposure.
+    """
+    rate = merge(readings, gain)
+    if rate.clipped.any() or not (rate.value > 0).all():
+        state = "saturated in every exposure" if rate.clipped.any() else "dark"
+        raise BadInputError(
+            f"the white reference is {state}; check the lamps, the reference and exposures_s in "
+            "rig.toml, and capture again"
+        )
+    light, view = (
+        normalize(np.mean([getattr(reading, side) for reading in readings], axis=0))
+        for side in ("light", "view")
+    )
+    known = camera_from_srgb @ reference.evaluate(light, view)
+    return Response(rate.value / known, rate.variance / rate.value**2, camera_from_srgb)

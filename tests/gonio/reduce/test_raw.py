@@ -1,0 +1,136 @@
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gonio.errors import BadFileError
+from gonio.files import sha256_bytes
+from gonio.reduce.raw import read_raw
+from sim.dng import dng_bytes
+
+MATRIX = np.array([[0.9, -0.3, -0.1], [-0.4, 1.2, 0.2], [0.0, 0.2, 0.6]])
+MOSAIC = np.random.default_rng(1).integers(0, 1 << 16, (32, 48), np.uint16)
+
+
+def dng(mosaic=MOSAIC, **changes):
+    standard = {
+        "black": 1024,
+        "white": 65535,
+        "exposure_s": 0.0200123,
+        "iso": 100,
+        "color_matrix": MATRIX,
+        "as_shot_neutral": (0.5, 1.0, 0.6),
+        "camera_model": "test",
+        "unique_id": "0123456789abcdef0123456789abcdef",
+    }
+    return dng_bytes(mosaic, **standard | changes)
+
+
+def jpeg():
+    done, data = cv2.imencode(".jpg", np.zeros((32, 48, 3), np.uint8))
+    assert done
+    return data.tobytes()
+
+
+def rgb_tiff():
+    done, data = cv2.imencode(".tif", np.zeros((32, 48, 3), np.uint8))
+    assert done
+    return data.tobytes()
+
+
+def without(tag):
+    """A DNG whose tag is renamed to one that nobody knows."""
+    data = bytearray(dng())
+    at = data.index(tag.to_bytes(2, "little"), 8)
+    data[at : at + 2] = (65000).to_bytes(2, "little")
+    return bytes(data)
+
+
+def flipped():
+    data = bytearray(dng())
+    data[-100] ^= 4
+    return bytes(data)
+
+
+def test_a_frame_comes_as_it_was_written(tmp_path):
+    path = tmp_path / "frame.dng"
+    path.write_bytes(dng())
+    frame = read_raw(path, sha256_bytes(dng()))
+    np.testing.assert_array_equal(frame.mosaic, MOSAIC)
+    assert frame.mosaic.flags.owndata
+    assert frame.exposure_s == pytest.approx(0.0200123, rel=1e-9)
+    sensor = frame.sensor
+    assert (sensor.width, sensor.height) == (48, 32)
+    assert (sensor.black, sensor.white, sensor.iso) == (1024, 65535, 100)
+    np.testing.assert_allclose(sensor.color_matrix, MATRIX.ravel(), atol=1e-9)
+    assert sensor.saturation == pytest.approx(1024 + 0.98 * 64511)
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "BGGR", "GRBG", "GBRG"])
+def test_each_pixel_knows_its_filter(tmp_path, cfa):
+    path = tmp_path / "frame.dng"
+    path.write_bytes(dng(cfa=cfa))
+    rows, columns = np.mgrid[0:4, 0:4]
+    letters = np.array(list("RGB"))[read_raw(path).sensor.channel(rows, columns)]
+    assert "".join(letters[:2, :2].ravel()) == cfa
+    np.testing.assert_array_equal(letters, np.tile(letters[:2, :2], (2, 2)))
+
+
+DAMAGED = {
+    "half a file": (dng()[: len(dng()) // 2], "cut short"),
+    "one byte short": (dng()[:-1], "cut short, by 1 bytes"),
+    "header only": (dng()[:100], "is not a DNG"),
+    "empty": (b"", "is not a DNG"),
+    "text": (b"hello\n", "is not a DNG"),
+    "a JPEG renamed": (jpeg(), "is not a DNG"),
+    "a picture in TIFF": (rgb_tiff(), "holds no Bayer plane"),
+    "no exposure time": (without(33434), "states no ExposureTime"),
+    "no EXIF": (without(34665), "states no ExposureTime"),
+    "no color matrix": (without(50721), "has no ColorMatrix1"),
+}
+
+
+@pytest.mark.parametrize(("data", "problem"), DAMAGED.values(), ids=DAMAGED)
+def test_damaged_and_foreign_files_are_named_in_one_line(tmp_path, capfd, data, problem):
+    path = tmp_path / "frame.dng"
+    path.write_bytes(data)
+    with pytest.raises(BadFileError, match=re.escape(problem)) as caught:
+        read_raw(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_missing_files_and_folders(tmp_path):
+    with pytest.raises(BadFileError, match="no such file; take it again"):
+        read_raw(tmp_path / "gone.dng")
+    with pytest.raises(BadFileError, match="cannot be read"):
+        read_raw(tmp_path)
+
+
+def test_a_flipped_bit_is_seen_by_its_hash_alone(tmp_path):
+    path = tmp_path / "frame.dng"
+    path.write_bytes(flipped())
+    assert (read_raw(path).mosaic != MOSAIC).sum() == 1
+    with pytest.raises(BadFileError, match="has changed since the journal vouched for it"):
+        read_raw(path, sha256_bytes(dng()))
+
+
+@given(flips=st.lists(st.tuples(st.integers(0, 560), st.integers(0, 7)), min_size=1, max_size=3))
+@settings(max_examples=300, deadline=None)
+def test_no_header_however_damaged_ends_in_a_traceback(tmp_path_factory, flips):
+    data = bytearray(dng())
+    for byte, bit in flips:
+        data[byte] ^= 1 << bit
+    path: Path = tmp_path_factory.getbasetemp() / "damaged.dng"
+    path.write_bytes(data)
+    try:
+        frame = read_raw(path)
+    except BadFileError as error:
+        assert "\n" not in str(error)
+    else:
+        assert frame.exposure_s > 0
