@@ -109,7 +109,8 @@ class History:
         """
         path = Path(folder) / FILE_NAME
         try:
-            with np.load(path, allow_pickle=False) as arrays:
+            # opened here, since numpy leaves the file of a broken archive open
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 return cls._from_arrays(dict(arrays), path)
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None

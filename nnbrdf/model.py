@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     Pairwise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 GRID_NAME = "grid.npz"
-_CHUNK = 1 << 14
+_CHUNK = 1 << 12
 _UPPER = 0.95
 
 

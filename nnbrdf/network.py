@@ -22,9 +22,21 @@ class Networks:
     ----------
     layers
         One array a layer, shape (members, outputs, inputs + 1); the last column is the bias.
+
+    Raises
+    ------
+    ValueError
+        When a layer's inputs are not the outputs of the one before it.
     """
 
     layers: tuple[NDArray[Any], ...]
+
+    def __post_init__(self) -> None:
+        for layer, next_layer in pairwise(self.layers):
+            if next_layer.shape[::2] != (layer.shape[0], layer.shape[1] + 1):
+                raise ValueError(
+                    f"layers of shapes {layer.shape} and {next_layer.shape} do not fit together"
+                )
 
     @property
     def members(self) -> int:

@@ -1,0 +1,160 @@
+"""Samples from a CSV table, as any other rig writes one (see docs/topics/samples-table.md)."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.directions import from_degrees
+from gonio.errors import BadFileError
+from gonio.files import sha256_file
+from gonio.samples import RGB, Flag, Samples
+from gonio.validation import read_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+_ANGLES = ("light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg")
+_COLOR_SPACE = {RGB: "linear sRGB", ("y",): "luminance"}
+_REMEDY = "compare it with docs/topics/samples-table.md"
+
+
+def read_table(path: Path | str) -> Samples:
+    """Read samples from a CSV table.
+
+    Columns, in any order: `light_theta_deg`, `light_phi_deg`, `view_theta_deg`, `view_phi_deg`,
+    then `r`, `g`, `b` or one `y` in 1/sr, and where known `sigma_r`, `sigma_g`, `sigma_b` or
+    `sigma_y`, where an empty cell is an unknown sigma. Other columns are ignored.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        Naming the line and the column that cannot be used.
+    """
+    path = Path(path)
+    rows = _rows(path)
+    header = next(rows, None)
+    if header is None:
+        raise BadFileError(path, "is empty", _REMEDY)
+    table = _Table.of(header, list(rows))
+    channels = table.channels()
+    angle = [table.column(name, _theta if "theta" in name else _number) for name in _ANGLES]
+    samples = Samples.from_values(
+        light=from_degrees(*angle[:2]),
+        view=from_degrees(*angle[2:]),
+        value=np.stack([table.column(name, _number) for name in channels], axis=1),
+        sigma=table.sigma(channels),
+        channels=channels,
+        color_space=_COLOR_SPACE[channels],
+    )
+    unknown = np.where(np.isnan(samples.sigma), np.uint32(Flag.NO_SIGMA), np.uint32(0))
+    return replace(samples, flag=unknown, provenance={"table": sha256_file(path)})
+
+
+@dataclass(frozen=True)
+class _Row:
+    """The cells of one line, and where it stands."""
+
+    path: Path
+    line: int
+    cells: list[str]
+
+    def error(self, problem: str) -> BadFileError:
+        return BadFileError(self.path, f"line {self.line}{problem}", _REMEDY)
+
+
+@dataclass(frozen=True)
+class _Table:
+    header: _Row
+    rows: list[_Row]
+
+    @classmethod
+    def of(cls, header: _Row, rows: list[_Row]) -> _Table:
+        """Check that the lines fit the header."""
+        for name in header.cells:
+            if name and header.cells.count(name) > 1:
+                raise header.error(f": column {name} is there twice")
+        for row in rows:
+            if len(row.cells) != len(header.cells):
+                count = f"has {len(row.cells)} cells where the header has {len(header.cells)}"
+                raise row.error(f": {count}")
+        if not rows:
+            raise header.error(": no samples follow the header")
+        return cls(header, rows)
+
+    def channels(self) -> tuple[str, ...]:
+        """Return which of r, g, b or y the table holds."""
+        if "y" not in self.header.cells:
+            return RGB
+        if set(RGB) & set(self.header.cells):
+            raise self.header.error(": has both y and r, g, b; keep one of the two")
+        return ("y",)
+
+    def sigma(self, channels: tuple[str, ...]) -> NDArray[np.float64] | None:
+        """Return the sigmas, NaN where a cell is empty; None where no column states them."""
+        names = [f"sigma_{channel}" for channel in channels]
+        if not set(names) & set(self.header.cells):
+            return None
+        return np.stack([self.column(name, _sigma) for name in names], axis=1)
+
+    def column(self, name: str, parse: Callable[[str], float]) -> NDArray[np.float64]:
+        """Parse a column, shape (rows,)."""
+        if name not in self.header.cells:
+            raise self.header.error(f": column {name} is missing")
+        index = self.header.cells.index(name)
+        values = np.empty(len(self.rows))
+        for number, row in enumerate(self.rows):
+            try:
+                values[number] = parse(row.cells[index])
+            except ValueError as error:
+                raise row.error(f", column {name}: {error}") from None
+        return values
+
+
+def _rows(path: Path) -> Iterator[_Row]:
+    """Yield the lines that are neither empty nor a comment, split at commas."""
+    # a byte order mark, as spreadsheets write it, is no part of the first name
+    text = read_text(path, _REMEDY).removeprefix("\ufeff")
+    for line, content in enumerate(text.split("\n"), start=1):
+        if not content.strip() or content.lstrip().startswith("#"):
+            continue
+        try:
+            cells = next(csv.reader([content], strict=True, skipinitialspace=True))
+        except csv.Error as error:
+            raise BadFileError(path, f"line {line}: is not CSV ({error})", _REMEDY) from None
+        yield _Row(path, line, [cell.strip() for cell in cells])
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{text!r} is not a number" if text else "is empty") from None
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is not a finite number")
+    return value
+
+
+def _theta(text: str) -> float:
+    value = _number(text)
+    if value > 90:
+        raise ValueError(
+            f"{text} deg is beyond 90 deg: that would be transmission, which gonio does not measure"
+        )
+    if value < 0:
+        raise ValueError(f"{text} deg is negative; turn phi by 180 deg instead")
+    return value
+
+
+def _sigma(text: str) -> float:
+    value = _number(text) if text else math.nan
+    if value < 0:
+        raise ValueError(f"{text} is negative")
+    return value
