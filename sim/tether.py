@@ -1,0 +1,153 @@
+"""The camera on its cable: some time after the shutter closed, a file appears in a folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from gonio.errors import StorageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gonio.clock import VirtualClock
+    from gonio.geometry import ArmPose
+
+Holder = Literal["sample", "reference"]
+
+_QUICKEST_S, _SLOWEST_S = 0.05, 0.1
+
+
+class Camera(Protocol):
+    """Whatever turns a scene into a file, such as `sim.camera.SimCamera`."""
+
+    def frame(
+        self,
+        *,
+        holder: Holder,
+        view: ArmPose,
+        light: ArmPose,
+        flux: NDArray[np.float64],
+        exposure_s: float,
+        key: str,
+    ) -> bytes:
+        """Return a whole DNG; `key` names the exposure, for its noise."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the camera had before it when the shutter opened."""
+
+    holder: Holder
+    view: ArmPose
+    light: ArmPose
+    key: str
+
+
+@dataclass
+class _Pending:
+    frame: int
+    exposure_s: float
+    scene: Scene
+    closed_s: float | None = None
+    flux: NDArray[np.float64] | None = None
+
+
+class Tether:
+    """Takes exposures and leaves `frame_<k>.dng`, one at a time.
+
+    Parameters
+    ----------
+    camera
+        Makes the files.
+    folder
+        Where they go.
+    clock
+        On which they take their time.
+    random
+        For how long they take.
+    file_timeout_s
+        After which a file that did not come keeps the camera busy no longer.
+
+    Attributes
+    ----------
+    loses_files
+        Set True to let files never come.
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        folder: Path,
+        clock: VirtualClock,
+        random: np.random.Generator,
+        file_timeout_s: float,
+    ) -> None:
+        self.loses_files = False
+        self._camera = camera
+        self._folder = folder
+        self._clock = clock
+        self._random = random
+        self._file_timeout_s = file_timeout_s
+        self._pending: _Pending | None = None
+
+    def busy(self) -> bool:
+        """Return whether the shutter is open or its file not yet written."""
+        if self._pending is None:
+            return False
+        closed_s = self._pending.closed_s
+        return closed_s is None or self._clock.now() < closed_s + self._file_timeout_s
+
+    def opened(self, frame: int, exposure_us: int, scene: Scene, close: Callable[[], None]) -> None:
+        """Note that the shutter opened, and have `close` called when it is time."""
+        exposure_s = exposure_us / 1e6
+        self._pending = _Pending(frame, exposure_s, scene)
+        self._clock.call_at(self._clock.now() + exposure_s, close)
+
+    def closed(self, flux: NDArray[np.float64]) -> None:
+        """Note that the shutter closed; `flux` is each lamp's mean, shape (11,)."""
+        pending, now = self._pending, self._clock.now()
+        if pending is not None:
+            pending.closed_s, pending.flux = now, flux
+            delay_s = self._random.uniform(_QUICKEST_S, _SLOWEST_S)
+            self._clock.call_at(now + delay_s, lambda: self._deliver(pending))
+
+    def aborted(self) -> None:
+        """Note that the shutter was closed for no frame."""
+        self._pending = None
+
+    def _deliver(self, pending: _Pending) -> None:
+        if self.loses_files or pending.flux is None:
+            return
+        scene = pending.scene
+        data = self._camera.frame(
+            holder=scene.holder,
+            view=scene.view,
+            light=scene.light,
+            flux=pending.flux,
+            exposure_s=pending.exposure_s,
+            key=scene.key,
+        )
+        write_frame(self._folder, pending.frame, data)
+        self._pending = None
+
+
+def write_frame(folder: Path, frame: int, data: bytes) -> None:
+    """Write a frame under another name and rename it, as tethered cameras do.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the disk is full or the folder gone.
+    """
+    target = folder / f"frame_{frame:06d}.dng"
+    aside = folder / f".frame_{frame:06d}.part"
+    try:
+        aside.write_bytes(data)
+        aside.replace(target)
+    except OSError as error:
+        raise StorageError.from_os(target, error) from error
