@@ -155,12 +155,13 @@ def _decode(data: bytes, path: Path) -> tuple[NDArray[np.uint16], str, int, int]
         with rawpy.imread(io.BytesIO(data)) as raw:
             # the array is LibRaw's own memory, gone with the file
             mosaic = np.array(raw.raw_image, np.uint16)
-            pattern = "".join(chr(raw.color_desc[i]) for i in raw.raw_pattern.ravel())
+            cell = np.ravel(() if raw.raw_pattern is None else raw.raw_pattern)
+            pattern = "".join(chr(raw.color_desc[i]) for i in cell)
             black, white = max(raw.black_level_per_channel), int(raw.white_level)
     except rawpy.LibRawError as error:
         raise BadFileError(path, f"cannot be decoded ({_reason(error)})", REMEDY) from None
-    except (AttributeError, LookupError, NotImplementedError, TypeError, ValueError):
-        # no pattern, or one of colors that the file does not have
+    except (LookupError, NotImplementedError, TypeError, ValueError):
+        # a pattern of colors that the file does not have, or no plane at all
         raise BadFileError(path, "holds no Bayer plane", _NOT_OURS) from None
     if mosaic.ndim != 2 or sorted(pattern) != ["B", "G", "G", "R"] or white <= black:
         raise BadFileError(path, "is not a red, green and blue Bayer plane", _NOT_OURS)

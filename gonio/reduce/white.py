@@ -40,8 +40,14 @@ class Response:
     camera_from_srgb: NDArray[np.float64]
 
     def brdf(self, rate: Rate) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the BRDF in linear sRGB and one standard uncertainty, in 1/sr, shape (3,) each."""
+        """Return the BRDF in linear sRGB and one standard uncertainty, in 1/sr, shape (3,) each.
+
+        Clipped channels are cut to the lowest of their bounds, so that a white highlight, which
+        they reach at different levels, stays white.
+        """
         camera = rate.value / self.rate_per_brdf
+        lowest = np.min(camera, where=rate.clipped, initial=np.inf)
+        camera = np.where(rate.clipped, lowest, camera)
         variance = rate.variance / self.rate_per_brdf**2 + camera**2 * self.relative_variance
         srgb_from_camera = np.linalg.inv(self.camera_from_srgb)
         # the camera's channels err independently, the sRGB channels made of them do not

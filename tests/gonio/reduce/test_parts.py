@@ -1,0 +1,230 @@
+"""The parts of the reduction that need no files: dark, gain, patch, light, color, white."""
+
+import numpy as np
+import pytest
+
+from gonio.directions import from_degrees
+from gonio.errors import BadInputError
+from gonio.geometry import ArmPose
+from gonio.materials import Lambertian
+from gonio.reduce.color import camera_from_srgb
+from gonio.reduce.dark import mean_dark
+from gonio.reduce.gain import PhotonTransfer
+from gonio.reduce.light import Source
+from gonio.reduce.merge import Rate
+from gonio.reduce.patch import PatchFinder
+from gonio.reduce.raw import Sensor
+from gonio.reduce.reading import Reading
+from gonio.reduce.white import respond
+from gonio.rig import default_rig
+from sim import sensor as twin
+
+RIG = default_rig()
+SENSOR = Sensor(160, 160, "RGGB", 1024, 65535, 100, tuple(twin.CAMERA_FROM_XYZ.ravel()))
+ALL_LIT = (1.0,) * 11
+
+
+def repeats(mean, count, gain, read, random):
+    """Frames of `mean` electrons, the shutter off by a percent from one to the next."""
+    for _ in range(count):
+        electrons = random.poisson(mean * random.uniform(0.99, 1.01))
+        noise = read * random.normal(size=mean.shape)
+        yield np.round(1024 + gain * electrons + noise).astype(np.uint16)
+
+
+def test_dark_frames_give_mean_and_read_noise():
+    random = np.random.default_rng(1)
+    fixed = random.uniform(0, 40, (100, 100))
+    stack = [np.round(1024 + fixed + 5 * random.normal(size=fixed.shape)) for _ in range(4)]
+    dark = mean_dark(stack)
+    assert dark.read_variance == pytest.approx(25 + 1 / 12, rel=0.03)
+    assert dark.pixel_variance == pytest.approx(1.25 * dark.read_variance)
+    assert (dark.mean - 1024 - fixed).std() == pytest.approx(2.5, rel=0.05)
+
+
+def test_darks_without_noise_still_have_that_of_rounding():
+    assert mean_dark([np.full((4, 4), 1024, np.uint16)] * 2).read_variance == pytest.approx(1 / 12)
+
+
+@pytest.mark.parametrize("gain", [0.2, 1.0752, 8.0])
+@pytest.mark.parametrize("electrons", [400, 6000])
+def test_photon_transfer_finds_the_gain(gain, electrons):
+    random = np.random.default_rng(2)
+    dark = mean_dark(list(repeats(np.zeros((100, 100)), 4, gain, 3.0, random)))
+    # lit unevenly, as the corners of a picture are
+    mean = electrons * np.linspace(0.2, 1.0, 10_000).reshape(100, 100)
+    transfer = PhotonTransfer()
+    transfer.add(list(repeats(mean, 4, gain, 3.0, random)), dark, 65_000)
+    assert transfer.gain == pytest.approx(gain, rel=0.04)
+
+
+def test_photon_transfer_leaves_saturated_pixels_out():
+    random = np.random.default_rng(3)
+    dark = mean_dark(list(repeats(np.zeros((100, 100)), 4, 1.0, 3.0, random)))
+    mean = np.linspace(1000, 60_000, 10_000).reshape(100, 100)
+    stack = [np.minimum(frame, 40_000) for frame in repeats(mean, 4, 1.0, 3.0, random)]
+    transfer = PhotonTransfer()
+    transfer.add(stack, dark, 39_000)
+    assert transfer.gain == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("electrons", "count"), [(1, 4), (5000, 1)], ids=["dark", "no repeats"])
+def test_photon_transfer_says_what_it_needs(electrons, count):
+    random = np.random.default_rng(4)
+    dark = mean_dark(list(repeats(np.zeros((50, 50)), 4, 1.0, 3.0, random)))
+    transfer = PhotonTransfer()
+    transfer.add(list(repeats(np.full((50, 50), electrons), count, 1.0, 3.0, random)), dark, 60_000)
+    with pytest.raises(BadInputError, match="two repeats that are bright and not saturated"):
+        _ = transfer.gain
+
+
+@pytest.mark.parametrize("view_deg", [(0, 0), (0, 77), (30, 200), (60, 45), (75, 13)])
+def test_the_patch_is_the_square_in_the_middle(view_deg):
+    pose = ArmPose.from_degrees(*view_deg)
+    patch = PatchFinder(RIG.camera, 5.0).find(pose, SENSOR)
+    assert (np.abs(patch.points_mm[:, :2]) <= 2.5).all()
+    assert (patch.points_mm[:, 2] == 0).all()
+    # 2 px/mm across the view, foreshortened along it
+    assert len(patch.points_mm) == pytest.approx(100 * np.cos(pose.theta), rel=0.25)
+    assert len(patch.points_mm) * RIG.camera.focal_px**-2 == pytest.approx(
+        patch.solid_angle, rel=0.25
+    )
+    assert np.degrees(np.arccos(patch.view @ pose.direction)) < 0.02
+    np.testing.assert_array_equal(patch.channel, SENSOR.channel(patch.rows, patch.columns))
+
+
+def test_the_patch_is_found_where_the_whole_picture_has_it():
+    from gonio.camera import Camera
+
+    spec = RIG.camera.model_copy(update={"distortion": (0.2, -0.1, 1e-3, -1e-3, 0.0)})
+    pose = ArmPose.from_degrees(50, 120)
+    patch = PatchFinder(spec, 30.0).find(pose, SENSOR)
+    everywhere = Camera(spec).plane_points(pose)
+    rows, columns = np.nonzero((np.abs(everywhere) <= 15.0).all(axis=-1))
+    np.testing.assert_array_equal([patch.rows, patch.columns], [rows, columns])
+    np.testing.assert_allclose(patch.points_mm, everywhere[rows, columns], atol=1e-9)
+
+
+@pytest.mark.parametrize("side_mm", [0.0, -1.0, 71.0, float("nan"), float("inf")])
+def test_patches_that_no_sample_has_are_refused(side_mm):
+    with pytest.raises(BadInputError, match="does not fit the sample"):
+        PatchFinder(RIG.camera, side_mm)
+
+
+@pytest.mark.parametrize(("side_mm", "theta_deg"), [(0.4, 0), (1.0, 80), (5.0, 90), (5.0, 91)])
+def test_patches_out_of_sight_are_refused(side_mm, theta_deg):
+    with pytest.raises(BadInputError, match="too few pixels; use a larger --patch-mm"):
+        PatchFinder(RIG.camera, side_mm).find(ArmPose.from_degrees(theta_deg, 0), SENSOR)
+
+
+def test_irradiance_is_inverse_square_and_cosine():
+    middle = np.zeros((1, 3))
+    only = tuple(float(n == 0) for n in range(11))
+    straight = Source(RIG.lamps, ArmPose.from_degrees(0, 0), only).irradiance(middle)
+    assert straight == pytest.approx(1 / 2000.0**2)
+    oblique = Source(RIG.lamps, ArmPose.from_degrees(60, 30), only).irradiance(middle)
+    assert oblique == pytest.approx(straight / 2)
+    off_axis = Source(RIG.lamps, ArmPose.from_degrees(0, 0), only).irradiance(
+        np.array([[2000.0, 0.0, 0.0]])
+    )
+    assert off_axis == pytest.approx(straight / 2**1.5)
+
+
+def test_lamps_add_up():
+    points = np.array([[1.0, 2.0, 0.0], [-2.0, 1.0, 0.0]])
+    pose = ArmPose.from_degrees(40, 10)
+    single = [
+        Source(RIG.lamps, pose, tuple(0.5 * (n == lamp) for n in range(11))).irradiance(points)
+        for lamp in range(11)
+    ]
+    together = Source(RIG.lamps, pose, ALL_LIT).irradiance(points)
+    np.testing.assert_allclose(np.sum(single, axis=0) * 2, together)
+
+
+def test_a_light_below_the_plane_gives_none():
+    source = Source(RIG.lamps, ArmPose.from_degrees(92, 0), ALL_LIT)
+    assert source.irradiance(np.zeros((1, 3))) == 0
+
+
+def test_the_light_comes_from_the_centre_of_what_is_lit():
+    pose = ArmPose.from_degrees(45, 0)
+    np.testing.assert_allclose(
+        Source(RIG.lamps, pose, ALL_LIT).directions(np.zeros((1, 3)))[0], pose.direction, atol=1e-6
+    )
+    # lamp 2 alone is 15 mm to the right, which at phi 0 is +y
+    right = Source(RIG.lamps, pose, (0, 0.3, *[0] * 9)).directions(np.zeros((1, 3)))[0]
+    assert right[1] == pytest.approx(15 / np.hypot(2000, 15))
+
+
+@pytest.mark.parametrize(
+    ("lit", "square_mm"),
+    [(range(1, 12), 661.3), ([1], 0.0), ([2, 7], 0.0), ([2, 1, 7], 0.0), ([1, 2, 4], 107.0)],
+    ids=["all", "one", "two", "three in line", "three"],
+)
+def test_solid_angle_of_the_lit_lamps(lit, square_mm):
+    flux = tuple(float(n + 1 in lit) for n in range(11))
+    source = Source(RIG.lamps, ArmPose.from_degrees(0, 0), flux)
+    assert source.solid_angle == pytest.approx(square_mm / 4e6, rel=1e-3, abs=1e-12)
+
+
+def test_the_crosstalk_of_the_twin_is_found_in_its_color_matrix():
+    expected = twin.CAMERA_FROM_SRGB / twin.CAMERA_NEUTRAL[:, None]
+    np.testing.assert_allclose(camera_from_srgb(SENSOR.color_matrix), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [np.zeros(9), np.ones(9), -twin.CAMERA_FROM_XYZ.ravel(), np.full(9, np.nan)],
+    ids=["zero", "singular", "negative", "nan"],
+)
+def test_useless_color_matrices_are_refused(matrix):
+    with pytest.raises(BadInputError, match="ColorMatrix1 does not tell colors apart"):
+        camera_from_srgb(tuple(matrix))
+
+
+def white_reading(signal, saturated=False):
+    return Reading(
+        signal=np.array(signal),
+        exposure=np.full(3, 0.5),
+        pixels=np.full(3, 30),
+        saturated=np.full(3, saturated),
+        read_variance=10.0,
+        light=from_degrees(0, 0),
+        view=from_degrees(45, 0),
+        light_solid_angle=0.0,
+        view_solid_angle=0.0,
+    )
+
+
+def test_the_reference_comes_back_as_itself():
+    matrix = camera_from_srgb(SENSOR.color_matrix)
+    response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), matrix)
+    rate = Rate(np.array([1000.0, 1800.0, 1200.0]), np.zeros(3), np.zeros(3, bool))
+    value, sigma = response.brdf(rate)
+    np.testing.assert_allclose(value, 0.99 / np.pi)
+    assert (sigma > 0).all()
+
+
+def test_a_colored_reference_is_allowed_for():
+    class Pink:
+        def evaluate(self, light, view):
+            return np.array([0.3, 0.2, 0.25])
+
+    matrix = camera_from_srgb(SENSOR.color_matrix)
+    signal = 1000.0 * matrix @ [0.3, 0.2, 0.25] * [0.5, 1.0, 0.6]
+    response = respond([white_reading(signal)], 1.0, Pink(), matrix)
+    value, _ = response.brdf(Rate(2 * signal, np.zeros(3), np.zeros(3, bool)))
+    np.testing.assert_allclose(value, [0.3, 0.2, 0.25])
+
+
+@pytest.mark.parametrize(
+    ("reading", "state"),
+    [
+        (white_reading([60_000.0] * 3, saturated=True), "saturated"),
+        (white_reading([-0.1] * 3), "dark"),
+    ],
+    ids=["saturated", "dark"],
+)
+def test_a_useless_white_reference_is_named(reading, state):
+    with pytest.raises(BadInputError, match=f"the white reference is {state}"):
+        respond([reading], 1.0, Lambertian(0.99), np.eye(3))

@@ -1,0 +1,69 @@
+import pytest
+from click.testing import CliRunner
+
+from gonio.cli.reduce import command
+from gonio.errors import BadInputError
+from gonio.reduce import PATCH_MM
+from gonio.samples import Samples
+from nnbrdf.analytic import Lambert
+
+from .conftest import SMALL_RIG
+
+TWO = [(20, 0, 40, 90), (50, 10, 30, 200)]
+
+
+@pytest.fixture
+def shots(photographer):
+    taken = photographer(TWO, Lambert((0.4, 0.3, 0.2)), exposures_s=(0.2,), rig_text=SMALL_RIG)
+    return taken.calibrate().shoot()
+
+
+def test_the_command_writes_samples_and_says_so(shots, gonio):
+    done = gonio("reduce", shots.session.root)
+    assert done.returncode == 0, done.stderr
+    lines = {" ".join(line.split()) for line in done.stdout.splitlines()}
+    assert {"shots in the plan 2", "samples 2", "clipped 0", "faint 0"} <= lines
+    assert f"samples: {shots.session.samples_path}" in lines
+    assert len(Samples.load(shots.session.samples_path)) == 2
+    assert shots.session.timings()["reduce"] > 0
+
+
+def test_what_was_left_out_is_said_in_one_line(shots, gonio):
+    next(shots.session.raw.iterdir()).unlink()
+    done = gonio("reduce", shots.session.root)
+    assert done.returncode == 0
+    assert done.stderr.count("1 of 2 shots left out") == 1
+    assert "samples 1" in {" ".join(line.split()) for line in done.stdout.splitlines()}
+
+
+def test_a_damaged_session_ends_in_one_line(shots, gonio):
+    for frame in shots.session.raw.iterdir():
+        frame.write_bytes(b"")
+    done = gonio("reduce", shots.session.root)
+    assert done.returncode == 2
+    assert "none of the 2 shots can be used" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_no_session(tmp_path, gonio):
+    done = gonio("reduce", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "session: no such folder" in done.stderr
+
+
+def test_the_patch_is_an_option(shots):
+    runner = CliRunner()
+    root = str(shots.session.root)
+    assert runner.invoke(command, [root, "--patch-mm", "10"]).exit_code == 0
+    large = Samples.load(shots.session.samples_path)
+    assert runner.invoke(command, [root]).exit_code == 0
+    standard = Samples.load(shots.session.samples_path)
+    assert large.view_solid_angle == pytest.approx((10 / PATCH_MM) ** 2 * standard.view_solid_angle)
+    refused = runner.invoke(command, [root, "--patch-mm", "0"])
+    assert isinstance(refused.exception, BadInputError)
+
+
+def test_another_gonio_on_the_session_is_refused(shots):
+    with shots.session.lock():
+        refused = CliRunner().invoke(command, [str(shots.session.root)])
+    assert "another gonio works on this session" in str(refused.exception)
