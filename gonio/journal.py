@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import Field
 
 from gonio.errors import BadFileError, StorageError
-from gonio.validation import Document
+from gonio.validation import Document, check
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,7 +61,7 @@ class FrameRecord(Document):
     exposure_s: float = Field(gt=0)
     file: str
     sha256: str
-    flux: tuple[float, ...]
+    flux: tuple[float, ...] = Field(min_length=11, max_length=11)
     view_theta_deg: float
     view_phi_deg: float
     light_theta_deg: float
@@ -165,5 +165,6 @@ class Journal:
             raise BadFileError(self.path, f"is damaged ({error})", _REMEDY) from None
 
     def frames(self) -> list[FrameRecord]:
-        """Return the frames recorded so far, in order."""
-        return [FrameRecord.model_validate(event.data) for event in self.events("frame")]
+        """Return the frames recorded so far, in order (errors as for `events`)."""
+        events = self.events("frame")
+        return [check(FrameRecord, event.data, self.path, _REMEDY) for event in events]
