@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from gonio.clock import VirtualClock
 from gonio.errors import BadFileError, BadInputError
 from gonio.reduce import reduce_session
 from gonio.samples import Flag, Samples
@@ -300,6 +301,13 @@ def test_a_session_without_a_journal(photographer):
     shots = photographer(ONE, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG)
     shots.session.journal_path.unlink()
     with pytest.raises(BadFileError, match=r"journal\.sqlite: no such file"):
+        reduce_session(shots.session)
+
+
+def test_a_journal_of_another_make(photographer):
+    shots = photographer(ONE, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG)
+    shots.journal.append(VirtualClock(), "frame", role="shot")
+    with pytest.raises(BadFileError, match=r"journal\.sqlite: shot_index: is missing \(and"):
         reduce_session(shots.session)
 
 
