@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntFlag
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -175,7 +175,7 @@ class Samples:
         if not path.is_file():
             raise BadFileError(path, "no such file", _REMEDY)
         try:
-            with xarray.open_dataset(path, engine="h5netcdf") as dataset:
+            with xarray.open_dataset(path, engine="h5netcdf", phony_dims="sort") as dataset:
                 dataset.load()
         except (OSError, ValueError, KeyError, RuntimeError) as error:
             raise BadFileError(path, f"is not a samples file ({error})", _REMEDY) from None
@@ -208,9 +208,12 @@ class Samples:
         if dataset.attrs.get("schema") != SCHEMA:
             found = dataset.attrs.get("schema")
             raise BadFileError(path, f"has schema {found!r}, not {SCHEMA!r}", _REMEDY)
+        for name in (*_DTYPES, "channel"):
+            if name not in dataset.variables:
+                raise BadFileError(path, f"{name}: is missing", _REMEDY)
         try:
             samples = cls(
-                **{name: dataset[name].to_numpy() for name in _VARIABLES},
+                **{name: _typed(dataset, name) for name in _DTYPES},
                 channels=tuple(str(name) for name in dataset["channel"].to_numpy()),
                 color_space=str(dataset.attrs["color_space"]),
                 provenance={
@@ -227,10 +230,19 @@ class Samples:
         return samples
 
 
-_VARIABLES = (
-    "light", "view", "value", "sigma", "flag", "light_solid_angle", "view_solid_angle",
-    "shot_index", "attempt",
-)  # fmt: skip
+_DTYPES: dict[str, type[np.generic]] = {
+    "light": np.float64, "view": np.float64, "value": np.float64, "sigma": np.float64,
+    "flag": np.uint32, "light_solid_angle": np.float64, "view_solid_angle": np.float64,
+    "shot_index": np.int64, "attempt": np.int64,
+}  # fmt: skip
+
+
+def _typed(dataset: xarray.Dataset, name: str) -> Any:
+    try:
+        return dataset[name].to_numpy().astype(_DTYPES[name], casting="same_kind")
+    except TypeError:
+        found = dataset[name].dtype
+        raise BadInputError(f"{name}: holds {found}, not {_DTYPES[name].__name__}") from None
 
 
 def _flag_attributes() -> dict[str, object]:
