@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="reduce")
-@click.argument("root", metavar="SESSION", type=click.Path(path_type=Path), default="session")
+@click.argument("root", metavar="[SESSION]", type=click.Path(path_type=Path), default="session")
 @click.option(
     "--patch-mm",
     type=float,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     help="Side of the square about the sample's centre that each sample is the mean over.",
 )
 def command(*, root: Path, patch_mm: float) -> None:
-    r"""Turn the raw frames of SESSION into BRDF samples, each with its sigma.
+    """Turn the raw frames of SESSION into BRDF samples, each with its sigma.
 
     The samples go into samples.nc in the session's folder, in 1/sr and linear sRGB. `gonio
     reconstruct` does this first by itself; this command is for those who want the samples alone,
@@ -34,7 +34,7 @@ def command(*, root: Path, patch_mm: float) -> None:
     Examples:
         gonio reduce session/
         gonio reduce session/ --patch-mm 10
-    """
+    """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._console import console, progress_bar
     from gonio.reduce import reduce_session
     from gonio.session import Session

@@ -45,6 +45,10 @@ def test_a_damaged_session_ends_in_one_line(shots, gonio):
     assert "Traceback" not in done.stderr
 
 
+def test_the_help_shows_an_example(gonio):
+    assert "\n      gonio reduce session/ --patch-mm 10\n" in gonio("reduce", "--help").stdout
+
+
 def test_no_session(tmp_path, gonio):
     done = gonio("reduce", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
