@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gonio.errors import BadFileError, BadInputError
-from gonio.files import write_with
+from gonio.files import write_bytes
 
 if TYPE_CHECKING:
     import xarray
@@ -157,8 +157,8 @@ class Samples:
 
     def save(self, path: Path) -> None:
         """Write netCDF-4, whole or not at all (layout: docs/topics/files.md)."""
-        dataset = self._dataset()
-        write_with(path, lambda aside: _write_netcdf(dataset, aside))
+        # through memory: on a full disk, HDF5 itself prints tracebacks and names no reason
+        write_bytes(path, bytes(self._dataset().to_netcdf(engine="h5netcdf")))
 
     @classmethod
     def load(cls, path: Path | str) -> Samples:
@@ -248,10 +248,6 @@ def _typed(dataset: xarray.Dataset, name: str) -> Any:
 def _flag_attributes() -> dict[str, object]:
     masks = np.array([flag.value for flag in Flag], np.uint32)
     return {"flag_masks": masks, "flag_meanings": " ".join(str(flag.name) for flag in Flag).lower()}
-
-
-def _write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
-    dataset.to_netcdf(path, engine="h5netcdf")
 
 
 def _bad_sigma(sigma: NDArray[np.float64]) -> NDArray[np.bool_]:
