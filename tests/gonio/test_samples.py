@@ -1,3 +1,5 @@
+import resource
+from contextlib import contextmanager
 from dataclasses import fields, replace
 
 import h5py
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from gonio.directions import from_degrees
-from gonio.errors import BadFileError, BadInputError
+from gonio.errors import BadFileError, BadInputError, StorageError
 from gonio.samples import Flag, Samples
 
 DIMENSIONS = {
@@ -204,11 +206,23 @@ def test_samples_without_a_scale(samples, says):
         _ = samples.white
 
 
-def test_a_write_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
+@contextmanager
+def files_no_larger_than(limit):
+    """Let the operating system refuse larger files, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_write_that_is_refused_leaves_the_old_file_and_no_noise(tmp_path, capfd):
     path = tmp_path / "samples.nc"
     some().save(path)
     old = path.read_bytes()
-    monkeypatch.setattr(xarray.Dataset, "to_netcdf", lambda *_, **__: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        some(5).save(path)
+    with files_no_larger_than(30_000), pytest.raises(StorageError, match=r"samples\.nc: cannot"):
+        some(2000).save(path)
     assert path.read_bytes() == old
+    assert [p.name for p in tmp_path.iterdir()] == ["samples.nc"]
+    assert capfd.readouterr().err == ""
