@@ -225,6 +225,8 @@ class Session:
         if not self.timings_path.is_file():
             return {}
         data = parse_json(read_text(self.timings_path, _REMEDY), self.timings_path, _REMEDY)
-        if not isinstance(data, dict):
-            raise BadFileError(self.timings_path, "is not a table of seconds", "delete it")
-        return {str(stage): float(seconds) for stage, seconds in data.items()}
+        try:
+            return {stage: float(seconds) for stage, seconds in data.items()}
+        except (AttributeError, TypeError, ValueError):
+            remedy = "delete it"
+            raise BadFileError(self.timings_path, "is not a table of seconds", remedy) from None
