@@ -1,0 +1,258 @@
+import json
+import sqlite3
+import subprocess
+import sys
+from dataclasses import asdict
+
+import pytest
+
+from gonio.clock import VirtualClock
+from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
+from gonio.journal import FrameRecord, Journal
+from gonio.plan import LampSetting, Plan, Selection, Shot
+from gonio.rig import default_rig, default_rig_text
+from gonio.session import Notes, Session
+from gonio.timemodel import estimate
+
+RIG = default_rig()
+NOTES = Notes(sample="felt", orientation="grain along +x", mounting="flat", operator="Ada")
+
+
+def make_plan(parent=None, view_theta_deg=45.0):
+    shots = (
+        Shot(
+            index=0, light_theta_deg=0, light_phi_deg=0, view_theta_deg=view_theta_deg,
+            view_phi_deg=0, exposures_s=(0.1,), lamps=(LampSetting(n=1, mA=700),),
+        ),
+    )  # fmt: skip
+    selection = Selection(
+        criterion="farthest", candidates="paper-81", views=1, lights=1, full_set=6561,
+        reciprocal_pairs=0, route="as given",
+    )  # fmt: skip
+    return Plan(
+        parent=parent,
+        rig_sha256=RIG.sha256,
+        selection=selection,
+        estimates=estimate(shots, RIG),
+        shots=shots,
+    )
+
+
+PLAN = make_plan()
+FRAME = FrameRecord(
+    role="shot", shot_index=3, attempt=1, repeat=0, exposure_s=0.02, file="raw/x.dng",
+    sha256="ab" * 32, flux=(1.0,) * 11, view_theta_deg=45.01, view_phi_deg=0.0,
+    light_theta_deg=0.0, light_phi_deg=0.01,
+)  # fmt: skip
+
+
+@pytest.fixture
+def session(tmp_path):
+    return Session.create(tmp_path / "session", PLAN, default_rig_text(), NOTES)
+
+
+def files_of(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_events_survive_reopening(tmp_path):
+    clock = VirtualClock(5.0)
+    with Journal(tmp_path / "j") as journal:
+        journal.append(clock, "begin", operator="Ada")
+        clock.sleep(2.0)
+        journal.append_frame(clock, FRAME)
+    with Journal(tmp_path / "j", must_exist=True) as journal:
+        journal.append(clock, "end")
+        events = list(journal.events())
+        assert [event.kind for event in events] == ["begin", "frame", "end"]
+        assert [event.at_s for event in events] == [5.0, 7.0, 7.0]
+        assert events[0].utc == "2000-01-01T00:00:05+00:00"
+        assert asdict(events[0])["data"] == {"operator": "Ada"}
+        assert journal.frames() == [FRAME]
+
+
+def test_an_event_is_safe_when_the_process_dies_right_after(tmp_path):
+    program = """
+import os, sys
+from pathlib import Path
+from gonio.clock import VirtualClock
+from gonio.journal import Journal
+journal = Journal(Path(sys.argv[1]))
+for number in range(20):
+    journal.append(VirtualClock(), "shot", number=number)
+os.kill(os.getpid(), 9)
+"""
+    subprocess.run([sys.executable, "-c", program, tmp_path / "j"], check=False)
+    with Journal(tmp_path / "j", must_exist=True) as journal:
+        assert [event.data["number"] for event in journal.events("shot")] == list(range(20))
+
+
+def test_the_journal_is_synced_and_written_ahead(tmp_path):
+    with Journal(tmp_path / "j") as journal:
+        read = journal._connection.execute
+        assert read("PRAGMA journal_mode").fetchone() == ("wal",)
+        assert read("PRAGMA synchronous").fetchone() == (2,)
+
+
+def test_a_journal_that_is_missing_or_none(tmp_path):
+    with pytest.raises(BadFileError, match="no such file"):
+        Journal(tmp_path / "j", must_exist=True)
+    assert not (tmp_path / "j").exists()
+    (tmp_path / "j").write_bytes(b"a text that is no database" * 100)
+    with pytest.raises(BadFileError, match="is not a journal"):
+        Journal(tmp_path / "j")
+
+
+def test_a_damaged_row_is_reported(tmp_path):
+    with Journal(tmp_path / "j") as journal:
+        journal.append(VirtualClock(), "shot")
+        journal._connection.execute("UPDATE event SET data = '{'")
+        with pytest.raises(BadFileError, match="is damaged"):
+            list(journal.events())
+
+
+def test_a_journal_that_cannot_grow(tmp_path):
+    with Journal(tmp_path / "j") as journal:
+        journal._connection.execute("PRAGMA max_page_count = 4")
+        with pytest.raises(StorageError, match="free some space"):
+            journal.append(VirtualClock(), "shot", text="x" * 100_000)
+
+
+def test_a_new_session_holds_what_it_was_begun_with(session):
+    assert session.chain() == [PLAN]
+    assert session.rig() == RIG
+    assert session.notes() == NOTES
+    assert json.loads(session.notes_path.read_text())["schema"] == "gonio.session/1"
+    assert session.raw.is_dir()
+    assert session.calibration.is_dir()
+    assert Session.open(session.root) == session
+
+
+def test_an_existing_session_is_never_overwritten(session):
+    before = files_of(session.root)
+    with pytest.raises(BadInputError, match=r"never overwritten; continue it with --resume"):
+        Session.create(session.root, make_plan(view_theta_deg=30.0), default_rig_text(), NOTES)
+    assert files_of(session.root) == before
+
+
+def test_neither_is_any_other_file_or_folder(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder/thesis").write_text("mine")
+    for name in ("file", "folder"):
+        with pytest.raises(BadInputError, match="never overwritten"):
+            Session.create(tmp_path / name, PLAN, default_rig_text(), NOTES)
+    assert set(files_of(tmp_path).values()) == {b"mine"}
+
+
+def test_an_empty_folder_will_do(tmp_path):
+    (tmp_path / "empty").mkdir()
+    assert Session.create(tmp_path / "empty", PLAN, default_rig_text(), NOTES).chain() == [PLAN]
+
+
+def test_a_folder_that_is_no_session(tmp_path):
+    with pytest.raises(BadFileError, match="no such folder"):
+        Session.open(tmp_path / "none")
+    with pytest.raises(BadFileError, match="is not a session"):
+        Session.open(tmp_path)
+
+
+def test_the_chain_of_plans(session):
+    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0)
+    second.save(session.plans / "001.json")
+    third = make_plan(parent=second.sha256, view_theta_deg=60.0)
+    third.save(session.plans / "002.json")
+    assert session.chain() == [PLAN, second, third]
+
+
+STRANGERS = [
+    ("no parent", make_plan(view_theta_deg=30.0)),
+    ("another parent", make_plan(parent="0" * 64)),
+]
+
+
+@pytest.mark.parametrize("plan", [c[1] for c in STRANGERS], ids=[c[0] for c in STRANGERS])
+def test_a_plan_that_does_not_name_the_one_before(session, plan):
+    plan.save(session.plans / "001.json")
+    with pytest.raises(BadFileError, match=r"001\.json: parent is .*, not the plan before it"):
+        session.chain()
+
+
+def test_resuming_with_the_same_is_allowed(session):
+    session.check_same(PLAN, RIG)
+    session.check_same(None, None)
+
+
+def test_resuming_with_another_plan_or_rig_is_refused(session):
+    other_rig = RIG.model_copy(
+        update={"arm": RIG.arm.model_copy(update={"min_separation_deg": 5.0})}
+    )
+    for plan, rig, says in (
+        (make_plan(view_theta_deg=30.0), None, "was begun with plan"),
+        (None, other_rig, "was begun with rig"),
+    ):
+        with pytest.raises(ResumeRefusedError, match=says) as caught:
+            session.check_same(plan, rig)
+        assert caught.value.exit_code == 4
+
+
+def test_after_an_added_plan_the_first_alone_is_another(session):
+    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0)
+    second.save(session.plans / "001.json")
+    session.check_same(second, None)
+    with pytest.raises(ResumeRefusedError):
+        session.check_same(PLAN, None)
+
+
+def test_the_lock_keeps_another_process_out_and_goes_with_it(session):
+    program = """
+import sys
+from pathlib import Path
+from gonio.session import Session
+with Session(Path(sys.argv[1])).lock():
+    print("held", flush=True)
+    sys.stdin.readline()
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program, session.root],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as other:  # fmt: skip
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(BadInputError, match="another gonio works on this"), session.lock():
+            pass
+        other.kill()
+    with session.lock():
+        pass
+
+
+def test_timings_are_kept_by_stage(session):
+    assert session.timings() == {}
+    session.note_timing("capture", 1.23456)
+    session.note_timing("reduce", 2.0)
+    session.note_timing("capture", 3.0)
+    assert session.timings() == {"capture": 3.0, "reduce": 2.0}
+
+
+BAD_TIMINGS = ["[]", "{", '{"capture": "long"}', '{"capture": null}']
+
+
+@pytest.mark.parametrize("text", BAD_TIMINGS)
+def test_timings_that_are_none(session, text):
+    session.timings_path.write_text(text)
+    with pytest.raises(BadFileError, match=r"timings\.json"):
+        session.timings()
+
+
+def test_a_foreign_database_is_no_journal_of_frames(tmp_path):
+    with sqlite3.connect(tmp_path / "j") as connection:
+        connection.execute("CREATE TABLE event (name TEXT)")
+    connection.close()
+    with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match="is damaged"):
+        list(journal.events())
+
+
+def test_a_frame_record_of_another_shape(tmp_path):
+    with Journal(tmp_path / "j") as journal:
+        journal.append(VirtualClock(), "frame", file="x")
+        with pytest.raises(BadFileError, match="role: is missing"):
+            journal.frames()
