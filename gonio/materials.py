@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -57,22 +56,23 @@ class MeasuredTable:
         """
         path = Path(path)
         try:
-            with np.load(path, allow_pickle=False) as arrays:
-                values = np.asarray(arrays["values"], np.float64)
+            # opened here, since numpy leaves a broken file open
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+                values = np.asarray(arrays["values"]).astype(np.float64, casting="same_kind")
                 white = float(arrays["white"]) if "white" in arrays else None
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
         except KeyError as error:
             raise BadFileError(path, f"lacks an array ({error.args[0]})", _REMEDY) from None
-        except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except Exception as error:  # zipfile, zlib and numpy's header parser raise a dozen kinds
             raise BadFileError(path, f"is not a table ({error})", _REMEDY) from None
         if values.shape != (81, 81, 3):
             raise BadFileError(path, f"values has shape {values.shape}", _REMEDY)
         if not (np.isfinite(values).all() and (values >= 0).all()):
             raise BadFileError(path, "values holds negative or non-finite numbers", _REMEDY)
         table = cls.of(values) if white is None else cls(values, white)
-        if not table.white > 0:
-            raise BadFileError(path, f"white is {table.white:g}, not positive", _REMEDY)
+        if not 0 < table.white < np.inf:
+            raise BadFileError(path, f"white is {table.white:g}, no positive number", _REMEDY)
         return table
 
     def save(self, path: Path) -> None:
