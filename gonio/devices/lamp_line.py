@@ -1,0 +1,117 @@
+"""Questions and answers with a lamp head that speaks `lamps-1`."""
+
+from __future__ import annotations
+
+import re
+from functools import reduce
+from operator import xor
+from typing import TYPE_CHECKING
+
+from gonio.errors import DeviceFaultError, TransportTimeoutError
+
+if TYPE_CHECKING:
+    from gonio.clock import Clock
+    from gonio.transports import SerialLine
+
+BUSY = 500
+GARBLED = (100, 101)
+"""What the head says of a request that the line has spoiled; it did not carry it out."""
+
+REMEDIES = {
+    300: ("over-temperature", "let the lamp cool below 70 deg C and check its cooling"),
+    301: ("open circuit", "check the lamp and its cable"),
+    350: ("too many errors to keep", "look for noise on the line"),
+    400: ("interlock open", "close the door or release the emergency stop"),
+    500: ("camera busy", "check the camera and its tethering"),
+}
+"""Errors that a person can do something about."""
+
+# the head answers within 200 ms
+_TIMEOUT_S = 0.5
+_ANSWER = re.compile(rb"(?:#(?P<number>\d{1,2}) )?(?P<text>.*)\*(?P<sum>[0-9A-F]{2})", re.DOTALL)
+_ERROR = re.compile(r'ERR (\d+),"(.*)"')
+
+
+class LampRefusedError(DeviceFaultError):
+    """The head answered a request with an error; it did not carry it out.
+
+    Attributes
+    ----------
+    code
+        The head's error code.
+    """
+
+    def __init__(self, command: str, code: int, text: str) -> None:
+        words, remedy = REMEDIES.get(code, (text.lower(), "check the head's firmware"))
+        super().__init__(f"lamps: {command} was refused ({code}, {words}); {remedy}, then resume")
+        self.code = code
+
+
+class LampLine:
+    """Numbered and checksummed requests, one at a time.
+
+    Parameters
+    ----------
+    line
+        The serial line.
+    clock
+        To measure time on.
+    """
+
+    def __init__(self, line: SerialLine, clock: Clock) -> None:
+        self._line = line
+        self._clock = clock
+        self._number = 0
+
+    def ask(self, command: str) -> str:
+        """Return the answer to a command that may be carried out twice.
+
+        What is lost or spoiled on the line is sent once more.
+
+        Raises
+        ------
+        LampRefusedError
+            When the head answers with an error.
+        gonio.errors.TransportTimeoutError
+            When no answer comes.
+        """
+        try:
+            return self.ask_once(command)
+        except TransportTimeoutError:
+            return self.ask_once(command)
+        except LampRefusedError as refused:
+            if refused.code not in GARBLED:
+                raise
+            return self.ask_once(command)
+
+    def ask_once(self, command: str) -> str:
+        """Return the answer to a command that is sent only once (errors as for `ask`)."""
+        self._number = (self._number + 1) % 100
+        request = b"#%d %s" % (self._number, command.encode("ascii"))
+        self._line.send(request + b"*%02X" % reduce(xor, request))
+        text = self._answer()
+        error = _ERROR.fullmatch(text)
+        if error:
+            raise LampRefusedError(command, int(error[1]), error[2])
+        return text
+
+    def _answer(self) -> str:
+        """Return the answer to the open request, passing over late and spoiled ones."""
+        deadline_s = self._clock.now() + _TIMEOUT_S
+        while True:
+            left_s = max(deadline_s - self._clock.now(), 0.0)
+            answer = self._line.receive(left_s)
+            text = self._own_text(answer)
+            if text is not None:
+                return text
+
+    def _own_text(self, answer: bytes) -> str | None:
+        parts = _ANSWER.fullmatch(answer)
+        if not parts or not answer.isascii():
+            # an error whose request lost its number or checksum on the way belongs to us, too
+            return answer.decode("ascii") if answer.isascii() and b"ERR " in answer[:8] else None
+        if int(parts["sum"], 16) != reduce(xor, answer[:-3]):
+            return None
+        text: str = parts["text"].decode("ascii")
+        own = parts["number"] is not None and int(parts["number"]) == self._number
+        return text if own or text.startswith("ERR ") else None

@@ -1,0 +1,72 @@
+"""A drive's registers by name, whatever addresses its profile gives them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gonio.errors import TransportTimeoutError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from gonio.profiles import Profile, Register
+    from gonio.transports import RegisterBus
+
+
+def to_words(value: int, count: int) -> list[int]:
+    """Split a value, negative ones in two's complement, into 16-bit words, the high one first."""
+    return [value >> 16 * place & 0xFFFF for place in reversed(range(count))]
+
+
+def from_words(words: Sequence[int], *, signed: bool) -> int:
+    """Put 16-bit words together, the high one first."""
+    value = 0
+    for word in words:
+        value = value << 16 | word
+    negative = signed and words[0] & 0x8000
+    return value - (1 << 16 * len(words)) if negative else value
+
+
+class DriveRegisters:
+    """The registers of one unit.
+
+    A lost reply says nothing about execution, so a write is read back before it is repeated;
+    whatever is lost twice raises `gonio.errors.TransportTimeoutError`.
+
+    Parameters
+    ----------
+    bus
+        The bus.
+    unit
+        The drive's unit id.
+    profile
+        Which register holds what.
+    """
+
+    def __init__(self, bus: RegisterBus, unit: int, profile: Profile) -> None:
+        self._bus = bus
+        self._unit = unit
+        self._profile = profile
+
+    def read(self, name: str) -> int:
+        """Read an object by its name in the profile."""
+        register = self._register(name)
+        try:
+            words = self._bus.read(self._unit, register.address, register.words)
+        except TransportTimeoutError:
+            words = self._bus.read(self._unit, register.address, register.words)
+        return from_words(words, signed=register.type == "int32")
+
+    def write(self, name: str, value: int) -> None:
+        """Write an object by its name in the profile."""
+        register = self._register(name)
+        words = to_words(value, register.words)
+        try:
+            self._bus.write(self._unit, register.address, words)
+        except TransportTimeoutError:
+            if self._bus.read(self._unit, register.address, register.words) != words:
+                self._bus.write(self._unit, register.address, words)
+
+    def _register(self, name: str) -> Register:
+        register: Register = getattr(self._profile, name)
+        return register
