@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import sys
 from importlib import import_module
 
@@ -73,8 +72,6 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         _fail("stopped; what was finished is kept", 130)
     except OSError as error:
-        if error.errno == errno.EPIPE:
-            sys.exit(0)
         _fail(f"{error.filename or 'input/output'}: {error.strerror or error}", 2)
 
 
