@@ -1,0 +1,111 @@
+import json
+import subprocess
+import sys
+from importlib import import_module
+
+import click
+import pytest
+
+import gonio
+from gonio.cli import _main
+from gonio.errors import BadInputError, DeviceFaultError, ResumeRefusedError, StorageError
+
+HEAVY = {"numpy", "scipy", "torch", "pydantic", "xarray", "cv2", "matplotlib", "rawpy", "rich"}
+
+
+def modules_after(program):
+    """Return the packages that are loaded after a program has run in a process of its own."""
+    report = "import json, sys; print(json.dumps(sorted({m.split('.')[0] for m in sys.modules})))"
+    result = subprocess.run(
+        [sys.executable, "-c", f"{program}\n{report}"], capture_output=True, text=True, check=True
+    )
+    return set(json.loads(result.stdout.splitlines()[-1]))
+
+
+HELP = """
+import sys
+from gonio.cli import main
+sys.argv = ["gonio", "--help"]
+try:
+    main()
+except SystemExit:
+    pass
+"""
+
+
+@pytest.mark.parametrize("program", ["import gonio", HELP], ids=["import gonio", "gonio --help"])
+def test_what_is_light_stays_light(program):
+    assert not modules_after(program) & HEAVY
+
+
+def test_every_public_name_resolves():
+    assert dir(gonio) == sorted(gonio.__all__)
+    for name in gonio.__all__:
+        assert getattr(gonio, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = gonio.nonsense
+
+
+def test_help_lists_the_commands_in_the_order_of_use(gonio):
+    result = gonio("--help")
+    assert result.returncode == 0
+    places = [result.stdout.index(f"\n  {name}") for name in _main.COMMANDS]
+    assert places == sorted(places)
+
+
+def test_the_version(gonio):
+    assert gonio("--version").stdout.split()[-1] == import_module("gonio").__version__
+
+
+@pytest.mark.parametrize("name", list(_main.COMMANDS))
+def test_every_command_teaches_with_an_example(name):
+    command = import_module(f"gonio.cli.{name}").command
+    text = command.get_help(click.Context(command, info_name=f"gonio {name}"))
+    assert "Examples:" in text
+    assert f"    gonio {name}" in text
+    # each example stands on a line of its own
+    assert all(line.count("gonio ") == 1 for line in text.splitlines() if "    gonio " in line)
+
+
+MISTAKES = [
+    (("fly",), "No such command 'fly'"),
+    (("plan", "--densty", "4"), "No such option"),
+    (("plan", "extra"), "unexpected extra argument"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "says"), MISTAKES, ids=[" ".join(m[0]) for m in MISTAKES])
+def test_mistyped_commands_exit_2(gonio, arguments, says):
+    result = gonio(*arguments)
+    assert result.returncode == 2
+    assert says in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+ENDINGS = [
+    # what a command raises, exit code, what is printed
+    (BadInputError("a\nb"), 2, "gonio: a b\n"),
+    (DeviceFaultError("axis 1 stuck"), 3, "gonio: axis 1 stuck\n"),
+    (StorageError("disk"), 3, "gonio: disk\n"),
+    (ResumeRefusedError("other plan"), 4, "gonio: other plan\n"),
+    (KeyboardInterrupt(), 130, "\ngonio: stopped; what was finished is kept\n"),
+    (PermissionError(13, "Permission denied", "x.json"), 2, "gonio: x.json: Permission denied\n"),
+    # as in gonio plan | head -1; click itself ends it
+    (BrokenPipeError(32, "Broken pipe"), 1, ""),
+]
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "printed"), ENDINGS, ids=[type(e[0]).__name__ for e in ENDINGS]
+)
+def test_errors_end_in_one_line_and_a_code(monkeypatch, capsys, error, code, printed):
+    @click.command()
+    def command():
+        raise error
+
+    monkeypatch.setattr(_main, "cli", command)
+    monkeypatch.setattr(sys, "argv", ["gonio"])
+    with pytest.raises(SystemExit) as caught:
+        _main.main()
+    assert caught.value.code == code
+    assert capsys.readouterr().err == printed
