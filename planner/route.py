@@ -42,8 +42,8 @@ def plan_route(angles_deg: NDArray[np.float64], rig: Rig) -> Route:
     metric = TimeMetric.of(angles_deg, rig)
     starts = {
         "nearest neighbour": nearest_neighbour(metric),
-        "snake of views": _snake(metric.light, metric.light_s, metric.view, metric.view_s),
-        "snake of lights": _snake(metric.view, metric.view_s, metric.light, metric.light_s),
+        "snake of views": snake(metric.light, metric.light_s, metric.view, metric.view_s),
+        "snake of lights": snake(metric.view, metric.view_s, metric.light, metric.light_s),
     }
     routes = [Route(two_opt(metric, order), f"{name}, 2-opt") for name, order in starts.items()]
     return min(routes, key=lambda route: metric.total(route.order))
@@ -104,7 +104,7 @@ def _best_exchange(
     return best, float(gain_s[best])
 
 
-def _snake(
+def snake(
     slow: NDArray[np.int64],
     slow_s: NDArray[np.float64],
     fast: NDArray[np.int64],

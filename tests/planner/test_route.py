@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from gonio.rig import default_rig
 from gonio.timemodel import route_times
 from planner.metric import TimeMetric
-from planner.route import nearest_neighbour, plan_route, two_opt
+from planner.route import nearest_neighbour, plan_route, snake, two_opt
 
 RIG = default_rig()
 
@@ -74,6 +74,14 @@ def test_the_local_search_stops_at_its_bound():
     assert (two_opt(metric, order, work=0) == order).all()
     some, all_ = (metric.total(two_opt(metric, order, work=w)) for w in (20_000, 10**8))
     assert metric.total(order) > some > all_
+
+
+def test_a_snake_moves_one_arm_at_a_time():
+    slow, fast = (index.ravel() for index in np.mgrid[:3, :4])
+    times_s = np.abs(np.subtract.outer(np.arange(4.0), np.arange(4.0)))
+    order = snake(slow, times_s[:3, :3], fast, times_s)
+    steps = np.abs(np.diff(slow[order])) + np.abs(np.diff(fast[order]))
+    assert (steps == 1).all()
 
 
 def test_settled_rings_are_followed_step_by_step():

@@ -44,6 +44,12 @@ def test_ties_go_to_the_lowest_index():
     assert farthest_points(np.concatenate([pole, ring]), 3, start=0).tolist() == [0, 1, 2]
 
 
+def test_round_off_does_not_break_ties():
+    theta = 75.0 + 1e-12 * np.arange(4)
+    ring = from_degrees(theta, np.arange(4) * 90.0)
+    assert farthest_from(ring, from_degrees([0.0], [0.0])) == 0
+
+
 @pytest.mark.parametrize("degrees", [0.0, 1e-7, 1.0, 90.0, 150.0, 180.0])
 def test_angles_keep_their_precision(degrees):
     pole = np.array([[0.0, 0.0, 1.0]])
