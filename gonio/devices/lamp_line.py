@@ -28,7 +28,9 @@ REMEDIES = {
 
 # the head answers within 200 ms
 _TIMEOUT_S = 0.5
-_ANSWER = re.compile(rb"(?:#(?P<number>\d{1,2}) )?(?P<text>.*)\*(?P<sum>[0-9A-F]{2})", re.DOTALL)
+_ANSWER = re.compile(
+    rb"(?:#(?P<number>\d{1,2}) )?(?P<text>.*?)(?:\*(?P<sum>[0-9A-F]{2}))?", re.DOTALL
+)
 _ERROR = re.compile(r'ERR (\d+),"(.*)"')
 
 
@@ -98,20 +100,25 @@ class LampLine:
     def _answer(self) -> str:
         """Return the answer to the open request, passing over late and spoiled ones."""
         deadline_s = self._clock.now() + _TIMEOUT_S
-        while True:
-            left_s = max(deadline_s - self._clock.now(), 0.0)
-            answer = self._line.receive(left_s)
-            text = self._own_text(answer)
+        while (left_s := deadline_s - self._clock.now()) > 0:
+            text = self._own_text(self._line.receive(left_s))
             if text is not None:
                 return text
+        raise TransportTimeoutError(
+            "lamps: what comes over the line is no answer; check device and dialect in the rig file"
+        )
 
     def _own_text(self, answer: bytes) -> str | None:
+        """Return what an answer says to the open request, or None when it is spoiled or old."""
         parts = _ANSWER.fullmatch(answer)
-        if not parts or not answer.isascii():
-            # an error whose request lost its number or checksum on the way belongs to us, too
-            return answer.decode("ascii") if answer.isascii() and b"ERR " in answer[:8] else None
-        if int(parts["sum"], 16) != reduce(xor, answer[:-3]):
+        if parts is None or not answer.isascii():
+            return None
+        checksum = parts["sum"]
+        if checksum and int(checksum, 16) != reduce(xor, answer[:-3]):
             return None
         text: str = parts["text"].decode("ascii")
-        own = parts["number"] is not None and int(parts["number"]) == self._number
-        return text if own or text.startswith("ERR ") else None
+        if _ERROR.fullmatch(text):
+            # a request may lose its number and its checksum on the way; then the error has none
+            return text
+        is_own = parts["number"] is not None and int(parts["number"]) == self._number
+        return text if is_own and checksum else None
