@@ -1,6 +1,7 @@
 import io
 import math
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,6 +162,23 @@ def test_a_file_that_is_no_table(tmp_path, content, says):
     assert str(caught.value).startswith(str(path))
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+class Intruder:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return (Path.touch, (self.path,))
+
+
+def test_nothing_is_unpickled(tmp_path):
+    np.savez(tmp_path / "t.npz", values=np.array([Intruder(tmp_path / "trace")], dtype=object))
+    with pytest.raises(BadFileError, match="is not a table"):
+        MeasuredTable.load(tmp_path / "t.npz")
+    assert not (tmp_path / "trace").exists()
 
 
 def test_a_folder_is_no_table(tmp_path):
