@@ -6,9 +6,8 @@ import math
 from collections import deque
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from sim.led import COOL_AGAIN_C, Led
+from sim.shutter import Shutter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,7 +50,9 @@ class LampHead:
     Attributes
     ----------
     leds
-        The lamps; `break_circuit` and `lose_cooling` spoil one.
+        The lamps; `lose_cooling` spoils one.
+    shutter
+        The camera's.
     """
 
     def __init__(
@@ -61,22 +62,18 @@ class LampHead:
         self._tether = tether
         self._scene = scene
         self.leds = tuple(Led(clock.now()) for _ in range(LAMPS))
+        self.shutter = Shutter(clock, tether, self.leds)
         self._errors: deque[int] = deque()
         self._interlock_open = False
         self._watchdog_s = 0.0
         self._asked_s = clock.now()
-        self._frames = 0
-        self._opened_s = 0.0
-        self._closes_s = math.inf
-        self._doses_s: list[float] = []
-        self._status = "IDLE"
 
     def advance(self) -> None:
         """Let everything happen that is due, in its order."""
         now = self._clock.now()
-        while (due := min(self._closes_s, self._watchdog_due(), self._too_hot_due())) <= now:
-            if due == self._closes_s:
-                self._close()
+        while (due := min(self.shutter.closes_s, self._watchdog_due(), self._too_hot_due())) <= now:
+            if due == self.shutter.closes_s:
+                self.shutter.close()
             elif due == self._watchdog_due():
                 self._switch_off(due)
             else:
@@ -169,38 +166,17 @@ class LampHead:
         self._watchdog_s = milliseconds / 1000.0
 
     def expose(self, exposure_us: int) -> int:
-        """Open the shutter and return the frame's number."""
+        """Open the shutter and return the frame's number.
+
+        Raises
+        ------
+        LampError
+            When the camera is busy.
+        """
         _check_range(exposure_us, 1, _MAX_EXPOSURE_US)
         if self._tether.busy():
             raise LampError(CAMERA_BUSY)
-        self._frames += 1
-        self._opened_s = self._clock.now()
-        self._closes_s = self._opened_s + exposure_us / 1e6
-        self._doses_s = [led.dose_s(self._opened_s) for led in self.leds]
-        self._status = f"OPEN {self._frames}"
-        scene = self._scene(exposure_us, self._lit())
-        self._tether.opened(self._frames, exposure_us, scene, self.advance)
-        return self._frames
-
-    def abort(self) -> None:
-        """Close an open shutter; its frame is lost."""
-        if self._closes_s < math.inf:
-            self._closes_s = math.inf
-            self._status = "IDLE"
-            self._tether.aborted()
-
-    def status(self) -> str:
-        """Return what TRIG:STAT? answers."""
-        return self._status
-
-    def _close(self) -> None:
-        closes_s, self._closes_s = self._closes_s, math.inf
-        light_s = [
-            led.dose_s(closes_s) - dose for led, dose in zip(self.leds, self._doses_s, strict=True)
-        ]
-        flux = np.array(light_s) / (closes_s - self._opened_s)
-        self._status = f"DONE {self._frames} " + ",".join(f"{value:.5f}" for value in flux)
-        self._tether.closed(flux)
+        return self.shutter.open(exposure_us, self._scene(exposure_us, self._lit()), self.advance)
 
     def _trip(self, now: float) -> None:
         for led in self.leds:

@@ -54,7 +54,7 @@ class LampProtocol:
         self._plain: dict[str, Callable[[], str]] = {
             "*IDN?": lambda: IDENTITY,
             "ALL:OFF": self._all_off,
-            "TRIG:STAT?": head.status,
+            "TRIG:STAT?": lambda: head.shutter.status,
             "TRIG:ABRT": self._abort,
             "SYST:ERR?": lambda: _error_text(head.next_error()),
         }
@@ -124,7 +124,7 @@ class LampProtocol:
         return "OK"
 
     def _abort(self) -> str:
-        self._head.abort()
+        self._head.shutter.abort()
         return "OK"
 
     def _watchdog(self, milliseconds: int) -> str:

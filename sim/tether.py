@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Literal, Protocol
 from gonio.errors import StorageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     import numpy as np
@@ -102,11 +101,9 @@ class Tether:
         closed_s = self._pending.closed_s
         return closed_s is None or self._clock.now() < closed_s + self._file_timeout_s
 
-    def opened(self, frame: int, exposure_us: int, scene: Scene, close: Callable[[], None]) -> None:
-        """Note that the shutter opened, and have `close` called when it is time."""
-        exposure_s = exposure_us / 1e6
+    def opened(self, frame: int, exposure_s: float, scene: Scene) -> None:
+        """Note that the shutter opened."""
         self._pending = _Pending(frame, exposure_s, scene)
-        self._clock.call_at(self._clock.now() + exposure_s, close)
 
     def closed(self, flux: NDArray[np.float64]) -> None:
         """Note that the shutter closed; `flux` is each lamp's mean, shape (11,)."""

@@ -10,7 +10,8 @@ import numpy as np
 from gonio.geometry import ArmPose
 from gonio.rig import AXES
 from sim.bus import TwinBus
-from sim.drive import BOOT_S, Drive
+from sim.control import BOOT_S
+from sim.drive import Drive
 from sim.lamp_head import LampHead
 from sim.lamp_protocol import LampProtocol
 from sim.line import TwinLine
@@ -84,7 +85,7 @@ class Twin:
         now = self._clock.now()
         self._advance_drives(now)
         for drive in self.drives.values():
-            drive.set_interlock(is_open, now)
+            drive.control.set_interlock(is_open, now)
         self.lamps.set_interlock(is_open)
 
     def pose(self, arm: str) -> ArmPose:
@@ -96,7 +97,7 @@ class Twin:
 
     def _advance_drives(self, now: float) -> None:
         for drive in self.drives.values():
-            drive.advance(now)
+            drive.control.advance(now)
 
     def _scene(self, exposure_us: int, lit: str) -> Scene:
         # nothing in the key tells when the frame was taken: routes do not change a frame's noise

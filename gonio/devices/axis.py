@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gonio.devices.faults import cause_of
 from gonio.devices.states import (
     ACKNOWLEDGED,
     DISABLE_VOLTAGE,
     ENABLE_OPERATION,
-    ERRORS,
     FOLLOWING_ERROR,
     HOMING,
     HOMING_ATTAINED,
     HOMING_ERROR,
-    INTERLOCK_OPEN,
     LIMIT_ACTIVE,
-    LIMIT_SWITCHES,
     MOVING_BY_ITSELF,
     PROFILE_POSITION,
     QUICK_STOP,
@@ -200,25 +198,10 @@ class AxisDrive:
 
     def fault(self, what: str) -> DeviceFaultError:
         """Say what happened, why as far as the drive tells, where, and what to do."""
-        cause, remedy = self._cause()
+        cause, remedy = cause_of(self._registers)
         return DeviceFaultError(
             f"{self.name}: {what} ({cause}) at {self.degrees():.2f} deg; {remedy}, then resume"
         )
-
-    def _cause(self) -> tuple[str, str]:
-        code = self._registers.read("error_code")
-        inputs = self._registers.read("digital_inputs")
-        if code:
-            words, remedy = ERRORS.get(
-                code, ("see the drive's manual", "follow the drive's manual")
-            )
-            return f"error 0x{code:04X}, {words}", remedy
-        if inputs & INTERLOCK_OPEN:
-            return "interlock open", "close the door or release the emergency stop"
-        if inputs & LIMIT_SWITCHES:
-            end = "negative" if inputs & 1 else "positive"
-            return f"{end} limit switch", "compare travel and zero_counts in the rig file"
-        return f"drive is in '{self._state().value}'", "check that nothing else drives this rig"
 
     def _knows_position(self) -> bool:
         """Return whether homing is attained, which is read in homing mode."""

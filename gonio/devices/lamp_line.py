@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from functools import reduce
 from operator import xor
@@ -86,6 +87,12 @@ class LampLine:
                 raise
             return self.ask_once(command)
 
+    def command(self, command: str) -> None:
+        """Give a command that is answered with OK (errors as for `ask`)."""
+        answer = self.ask(command)
+        if answer != "OK":
+            raise unexpected(answer, command)
+
     def ask_once(self, command: str) -> str:
         """Return the answer to a command that is sent only once (errors as for `ask`)."""
         self._number = (self._number + 1) % 100
@@ -122,3 +129,27 @@ class LampLine:
             return text
         is_own = parts["number"] is not None and int(parts["number"]) == self._number
         return text if is_own and checksum else None
+
+
+def number(text: str, command: str) -> float:
+    """Return the number that a head has answered to `command`.
+
+    Raises
+    ------
+    gonio.errors.DeviceFaultError
+        When it is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise unexpected(text, command)
+    return value
+
+
+def unexpected(answer: str, command: str) -> DeviceFaultError:
+    """Return the error for an answer that makes no sense."""
+    return DeviceFaultError(
+        f"lamps: {answer!r} is no answer to {command}; check device and dialect in the rig file"
+    )

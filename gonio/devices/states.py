@@ -1,4 +1,4 @@
-"""The drive profile CiA 402 as a driver sees it: states, controlwords, faults in words."""
+"""The drive profile CiA 402 as a driver sees it: states and controlwords."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ ACKNOWLEDGED = HOMING_ATTAINED = 1 << 12
 FOLLOWING_ERROR = HOMING_ERROR = 1 << 13
 
 PROFILE_POSITION, HOMING = 1, 6
-
-LIMIT_SWITCHES, INTERLOCK_OPEN = 0x3, 0x8
 
 
 class DriveState(Enum):
@@ -55,14 +53,6 @@ STEPS = {
 
 MOVING_BY_ITSELF = (DriveState.QUICK_STOP, DriveState.FAULT_REACTION)
 """States in which the drive is on its way to standstill and obeys nothing."""
-
-ERRORS = {
-    0x2310: ("over-current", "find what blocks or drags the arm"),
-    0x4310: ("over-temperature", "let the drive cool down and check its fan"),
-    0x7500: ("communication lost, the drive's watchdog stopped it", "check the bus cable"),
-    0x8611: ("following error", "find what blocks or drags the arm"),
-}
-"""What an error code means and what to do about it."""
 
 
 def state_of(statusword: int) -> DriveState:

@@ -73,7 +73,7 @@ def test_a_new_homing_loses_the_position(homed):
 def test_attained_survives_stops_modes_and_faults(homed):
     homed.control(0x02)
     homed.enable()
-    homed.drive.trip(0x2310, homed.clock.now())
+    homed.drive.control.trip(0x2310, homed.clock.now())
     homed.control(0x00, 0x80)
     homed.enable()
     homed.write(0x0002, 6)

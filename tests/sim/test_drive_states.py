@@ -97,7 +97,7 @@ def test_leaving_operation_stops_the_axis(homed, controlword):
 def test_a_fault_waits_for_a_rising_edge(homed, code):
     homed.go(100000)
     homed.clock.sleep(2.0)
-    homed.drive.trip(code, homed.clock.now())
+    homed.drive.control.trip(code, homed.clock.now())
     assert homed.state == REACTION
     assert homed.read(0x000E) == code
     homed.control(0x80, 0x00)
@@ -108,7 +108,7 @@ def test_a_fault_waits_for_a_rising_edge(homed, code):
     homed.control(0x80)
     assert homed.state == DISABLED
     assert homed.read(0x000E) == 0
-    homed.drive.trip(code, homed.clock.now())
+    homed.drive.control.trip(code, homed.clock.now())
     homed.control(0x80)
     assert homed.state == FAULT, "bit 7 was never low"
     homed.control(0x00, 0x80)
@@ -170,7 +170,7 @@ def test_an_open_interlock_disables_what_is_not_in_operation(unit, twin, steps):
 
 
 def test_an_open_interlock_hides_no_fault(homed, twin):
-    homed.drive.trip(0x2310, homed.clock.now())
+    homed.drive.control.trip(0x2310, homed.clock.now())
     twin.set_interlock(True)
     assert homed.state == FAULT
     homed.control(0x00, 0x80, 0x00, 0x06)

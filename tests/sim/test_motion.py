@@ -70,6 +70,12 @@ def test_a_lower_speed_is_reached_by_braking():
     assert motion.end_s == pytest.approx(1.0 + 8.0 + 1.0)
 
 
+def test_a_running_start_shortens_the_way():
+    motion = go(0.0, 0.0, 10.0, 20.0, 100.0, 10.0)
+    peak = math.sqrt(10.0 * 20.0 + 10.0**2 / 2)
+    assert motion.end_s == pytest.approx((peak - 10.0) / 10.0 + peak / 10.0)
+
+
 def test_without_speed_a_move_never_ends():
     motion = go(0.0, 5.0, 0.0, 100.0, 0.0, 10.0)
     assert motion.end_s == math.inf

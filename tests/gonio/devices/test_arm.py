@@ -42,7 +42,7 @@ def test_enabling_resets_faults_and_ends_what_was_under_way(homed):
     homed.twin.bus.write(2, 0x0004, [2, 0])
     homed.twin.bus.write(2, 0x0000, [0x1F])
     homed.clock.sleep(1.0)
-    homed.twin.drives["view_phi"].trip(0x7500, homed.clock.now())
+    homed.twin.drives["view_phi"].control.trip(0x7500, homed.clock.now())
     homed.twin.bus.write(3, 0x0004, [0xFFFE, 0])
     homed.twin.bus.write(3, 0x0000, [0x1F])
     homed.clock.sleep(1.0)
@@ -108,7 +108,7 @@ def test_a_move_to_where_the_arm_is_takes_no_time(homed):
 
 
 def test_drives_watch_over_the_host_while_they_move_and_only_then(homed):
-    homed.at(0.5, lambda: watched.extend(drive._watchdog_ms for drive in drives))
+    homed.at(0.5, lambda: watched.extend(drive.control.watchdog_ms for drive in drives))
     watched, drives = [], homed.twin.drives.values()
     homed.arm.move(POSE)
     assert watched == [3000] * 4
