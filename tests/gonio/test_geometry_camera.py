@@ -52,12 +52,14 @@ def test_place_is_along_the_frame():
 
 
 @given(POSE)
+@settings(deadline=None)
 def test_the_centre_is_seen_at_the_principal_point(pose):
     pixel = Camera(SPEC).project([0.0, 0.0, 0.0], pose)
     np.testing.assert_allclose(pixel, [SPEC.centre_px], atol=1e-9)
 
 
 @given(POSE)
+@settings(deadline=None)
 def test_columns_run_along_right_and_rows_against_up(pose):
     centre, right, up = Camera(SPEC).project([[0, 0, 0], pose.right, pose.up], pose)
     scale = SPEC.focal_px / (1000 * SPEC.distance_m)
