@@ -1,1 +1,8 @@
 """What was measured and what came of it, as one HTML page."""
+
+from __future__ import annotations
+
+from gonio.report.page import write_report
+from gonio.report.summary import Summary, summarize
+
+__all__ = ["Summary", "summarize", "write_report"]

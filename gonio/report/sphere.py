@@ -58,9 +58,14 @@ def tone_map(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
     knee = 0.6
     excess = np.clip(linear - knee, 0.0, None) / (1.0 - knee)
     rolled = np.where(linear > knee, knee + (1.0 - knee) * (1.0 - np.exp(-excess)), linear)
-    dark = 12.92 * rolled
-    bright = 1.055 * np.clip(rolled, 0.0031308, 1.0) ** (1.0 / 2.4) - 0.055
-    return np.round(255.0 * np.where(rolled <= 0.0031308, dark, bright)).astype(np.uint8)
+    return np.round(255.0 * encode_srgb(rolled)).astype(np.uint8)
+
+
+def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return sRGB from 0 to 1 (IEC 61966-2-1), clipped there, of linear values."""
+    clipped = np.clip(linear, 0.0, 1.0)
+    bright = 1.055 * np.maximum(clipped, 0.0031308) ** (1.0 / 2.4) - 0.055
+    return np.where(clipped <= 0.0031308, 12.92 * clipped, bright)
 
 
 def _places() -> list[tuple[float, float]]:

@@ -1,0 +1,148 @@
+"""All drawings of the page, with their captions, by section."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from gonio.report import chosen, errors, maps, slices
+from gonio.report.figures import inline_svg, page_style
+from gonio.report.spheres import sphere_uri
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from markupsafe import Markup
+    from matplotlib.figure import Figure
+
+    from gonio.materials import MeasuredTable
+    from gonio.plan import Plan
+    from gonio.samples import Samples
+    from nnbrdf.model import NNBRDF
+
+_PLANES = ((0.0, "Along the marked edge"), (90.0, "Across the marked edge"))
+
+
+class Drawing(NamedTuple):
+    """A figure with its title and its caption."""
+
+    title: str
+    svg: Markup
+    caption: str
+
+
+class Drawings(NamedTuple):
+    """What the page shows, by section; spheres are data URIs by their caption."""
+
+    spheres: dict[str, str]
+    measured: list[Drawing]
+    material: list[Drawing]
+    planes: list[Drawing]
+    errors: list[Drawing]
+
+
+def draw_all(
+    model: Path, samples: Samples, chain: Sequence[Plan], truth_path: Path | None
+) -> Drawings:
+    """Draw everything that is known of a model; without the truth, what needs none."""
+    from gonio.materials import MeasuredTable
+    from nnbrdf.model import NNBRDF
+
+    estimate = NNBRDF.load(model)
+    truth = None if truth_path is None else MeasuredTable.load(truth_path)
+    with page_style():
+        return Drawings(
+            spheres=_spheres(estimate, truth),
+            measured=list(_measured(samples, chain)),
+            material=list(_material(estimate, truth)),
+            planes=list(_planes(estimate, truth, samples)),
+            errors=list(_errors(model, estimate, truth, samples)),
+        )
+
+
+def _drawing(title: str, figure: Figure, caption: str) -> Drawing:
+    name = "-".join(title.lower().split())
+    return Drawing(title, inline_svg(figure, name, f"{title}: {caption}"), caption)
+
+
+def _spheres(estimate: NNBRDF, truth: MeasuredTable | None) -> dict[str, str]:
+    white = estimate.card.white if truth is None else truth.white
+    known = {"truth": truth, "model": estimate}
+    return {name: sphere_uri(each, white) for name, each in known.items() if each is not None}
+
+
+def _measured(samples: Samples, chain: Sequence[Plan]) -> Iterator[Drawing]:
+    candidates = chosen.candidates_of(chain)
+    for side in ("view", "light"):
+        directions = chosen.planned(chain, side) if chain else chosen.measured(samples, side)
+        yield _drawing(
+            f"{side} directions".capitalize(),
+            chosen.draw_chosen(directions, candidates),
+            f"{_of(len(directions), len(candidates))}, seen against the sample's normal, "
+            "the marked edge to the right.",
+        )
+    yield _drawing(
+        "Measured pairs",
+        maps.draw_map(maps.measured_map(samples), samples.white),
+        "Each sample in its color, at the nearest pair of the 81 x 81 grid; white is "
+        f"{samples.white:.3g} 1/sr.",
+    )
+
+
+def _of(count: int, candidates: int) -> str:
+    if not candidates:
+        return f"{count} directions"
+    return f"{count} chosen of {candidates} (filled), {candidates - count} skipped (open)"
+
+
+def _material(estimate: NNBRDF, truth: MeasuredTable | None) -> Iterator[Drawing]:
+    grid = {name: array.astype(np.float64) for name, array in estimate.grid().items()}
+    white = estimate.card.white if truth is None else truth.white
+    exposed = f"White is {white:.3g} 1/sr, then sRGB."
+    yield _drawing("Reconstruction", maps.draw_map(grid["values"], white), exposed)
+    if truth is not None:
+        yield _drawing("Truth", maps.draw_map(truth.values, white), exposed)
+        difference = np.abs(grid["values"].clip(max=white) - truth.values.clip(max=white))
+        factor = maps.enlargement(difference, white)
+        yield _drawing(
+            f"Difference × {factor}",
+            maps.draw_map(factor * difference, white),
+            f"Absolute, both clipped at white as eps8 does, enlarged {factor} times.",
+        )
+    yield _drawing(
+        "Uncertainty",
+        maps.draw_sigma(grid["sigma"]),
+        "One standard uncertainty: how far the networks spread.",
+    )
+
+
+def _planes(estimate: NNBRDF, truth: MeasuredTable | None, samples: Samples) -> Iterator[Drawing]:
+    known = "" if truth is None else " dashed: truth,"
+    for azimuth_deg, title in _PLANES:
+        yield _drawing(
+            title,
+            slices.draw_slice(azimuth_deg, estimate, truth, samples),
+            f"Plane of incidence at φ = {azimuth_deg:g}°. Line: model with its 5 to 95 % band,"
+            f"{known} dots: samples within 3°.",
+        )
+
+
+def _errors(
+    model: Path, estimate: NNBRDF, truth: MeasuredTable | None, samples: Samples
+) -> Iterator[Drawing]:
+    from nnbrdf.history import FILE_NAME, History
+
+    yield _drawing(
+        "Model against samples",
+        errors.draw_scatter(estimate, samples),
+        "A dot a value. Beyond white (upright line) the network was told no more than white.",
+    )
+    if (model / FILE_NAME).is_file():
+        what = "Loss" if truth is None else "Error"
+        yield _drawing(
+            f"{what} against training time",
+            errors.draw_training(History.load(model), truth),
+            "Thin: each network; thick: their median.",
+        )

@@ -1,0 +1,89 @@
+"""The 81 x 81 map: light along one axis, view along the other, as a picture."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.directions import RINGS_81, paper_directions
+from gonio.report.figures import new_figure
+from gonio.report.sphere import encode_srgb
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from gonio.samples import Samples
+
+_SIZE_IN = (3.6, 3.6)
+_ENLARGEMENTS = (1, 2, 5, 10, 20, 50, 100)
+_MOST = 99.0
+
+
+def draw_map(values: NDArray[np.float64], white: float) -> Figure:
+    """Draw values as a picture, exposed so that white is white; NaN is left open.
+
+    Parameters
+    ----------
+    values
+        1/sr, shape (81, 81, 3), [light, view, channel].
+    white
+        What is as bright as can be shown, in 1/sr.
+    """
+    figure = new_figure(*_SIZE_IN)
+    axes = figure.subplots()
+    known = np.isfinite(values).all(axis=-1, keepdims=True)
+    color = encode_srgb(np.where(known, values, 0.0) / white)
+    axes.imshow(np.concatenate([color, known], axis=-1), interpolation="none")
+    _mark_rings(axes)
+    return figure
+
+
+def draw_sigma(sigma: NDArray[np.float64]) -> Figure:
+    """Draw the standard uncertainty, the mean of the channels, shape (81, 81, 3), in 1/sr."""
+    figure = new_figure(_SIZE_IN[0] + 0.5, _SIZE_IN[1])
+    axes = figure.subplots()
+    mean = sigma.mean(axis=-1)
+    # a few huge ones would leave everything else black
+    image = axes.imshow(
+        mean, interpolation="none", cmap="magma", vmin=0.0, vmax=float(np.percentile(mean, _MOST))
+    )
+    bar = figure.colorbar(image, ax=axes, extend="max", shrink=0.85, aspect=30)
+    bar.set_label("σ, mean of channels (1/sr)")
+    bar.outline.set_visible(False)  # type: ignore[operator]
+    _mark_rings(axes)
+    return figure
+
+
+def enlargement(difference: NDArray[np.float64], white: float) -> int:
+    """Return by how much to enlarge a difference so that 99 % of it stays below white."""
+    most = float(np.percentile(np.abs(difference), _MOST))
+    fitting = [factor for factor in _ENLARGEMENTS if factor * most <= white]
+    return max(fitting, default=1)
+
+
+def measured_map(samples: Samples) -> NDArray[np.float64]:
+    """Return samples at their nearest pair of the grid, NaN elsewhere, shape (81, 81, 3)."""
+    grid = paper_directions()
+    light, view = (np.argmax(at @ grid.T, axis=1) for at in (samples.light, samples.view))
+    values = np.full((len(grid), len(grid), 3), np.nan)
+    values[light, view] = samples.value
+    return values
+
+
+def _mark_rings(axes: Axes) -> None:
+    """Label each ring by its theta, and part it from the next."""
+    ends = list(accumulate(count for _, count in RINGS_81))
+    middles = [end - count / 2 - 0.5 for (_, count), end in zip(RINGS_81, ends, strict=True)]
+    names = [f"{theta:g}" for theta, _ in RINGS_81]
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_ticks(middles, names, fontsize=7)
+        axis.set_ticks([end - 0.5 for end in ends[:-1]], minor=True)
+        axis.set_tick_params(which="major", length=0, pad=5)
+        axis.set_tick_params(which="minor", length=6)
+    axes.spines[:].set_visible(False)
+    axes.set_xlabel("view: θ of the ring (deg), φ rising within")
+    axes.set_ylabel("light: θ of the ring (deg), φ rising within")

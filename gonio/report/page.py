@@ -1,0 +1,91 @@
+"""The report: one HTML page that needs nothing beside it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gonio.files import write_bytes
+from gonio.report.summary import summarize
+from gonio.samples import Flag
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from gonio.report.summary import Summary
+    from gonio.samples import Samples
+    from gonio.session import Session
+
+_MEANINGS = {
+    Flag.CLIPPED: "saturated in every exposure: the value is a lower bound",
+    Flag.FAINT: "not above its own noise",
+    Flag.FEW_PIXELS: "the patch held fewer than eight pixels of this channel",
+    Flag.NO_SIGMA: "its source stated no sigma",
+}
+
+
+def write_report(
+    target: Path, *, model: Path, samples: Samples, session: Session | None = None
+) -> Summary:
+    """Write the report of a model as one self-contained page, whole or not at all.
+
+    Parameters
+    ----------
+    target
+        The page.
+    model
+        The model's folder.
+    samples
+        What it was made from.
+    session
+        Where they were measured, with its notes, plans and timings; and, from the twin alone,
+        its truth. None for a table from elsewhere.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When a file of the model or the session is missing or damaged.
+    gonio.errors.StorageError
+        When the page cannot be written.
+    """
+    truth = session.truth_path if session is not None and session.truth_path.is_file() else None
+    summary = summarize(model, samples, truth)
+    page = _render(summary, model, samples, session, truth)
+    # a name with half a surrogate pair is no UTF-8, and no reason to fail either
+    write_bytes(target, page.encode("utf-8", "backslashreplace"))
+    return summary
+
+
+def _render(
+    summary: Summary, model: Path, samples: Samples, session: Session | None, truth: Path | None
+) -> str:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from gonio.report import provenance
+    from gonio.report.drawings import draw_all
+    from nnbrdf.card import read_card
+
+    environment = Environment(
+        loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    chain = session.chain() if session else []
+    content: dict[str, Any] = {
+        "summary": summary,
+        "model": read_card(model),
+        "samples": samples,
+        "flags": _flag_counts(samples),
+        "notes": session.notes() if session else None,
+        "plans": chain,
+        "timings": session.timings() if session else {},
+        "measured_on": provenance.measured_on(session),
+        "versions": provenance.versions(),
+        "hashes": provenance.hashes(model, samples, session),
+        "drawn": draw_all(model, samples, chain, truth),
+    }
+    return environment.get_template("page.html").render(content)
+
+
+def _flag_counts(samples: Samples) -> list[tuple[str, int, str]]:
+    """Return the flags that occurred: name, number of values, meaning."""
+    counts = [(flag, int((samples.flag & flag.value != 0).sum())) for flag in Flag]
+    return [(str(flag.name), count, _MEANINGS[flag]) for flag, count in counts if count]

@@ -1,0 +1,69 @@
+"""From what, by what and when a report was made."""
+
+from __future__ import annotations
+
+import platform
+from datetime import datetime, timedelta
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+from gonio.files import sha256_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from gonio.samples import Samples
+    from gonio.session import Session
+
+_PACKAGES = ("gonio", "numpy", "torch")
+_MODEL_FILES = ("model.json", "weights.safetensors", "grid.npz")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages that decide about results."""
+    found = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def hashes(model: Path, samples: Samples, session: Session | None) -> list[tuple[str, str]]:
+    """Return what the report stands on, each with its SHA-256."""
+    return [*_of_session(session), *_of_samples(samples), *_of_model(model)]
+
+
+def _of_session(session: Session | None) -> Iterator[tuple[str, str]]:
+    if session is None:
+        return
+    for number, plan in enumerate(session.chain()):
+        yield f"plan {number:03d}", plan.sha256
+    yield "rig", session.rig().sha256
+    if session.samples_path.is_file():
+        yield session.samples_path.name, sha256_file(session.samples_path)
+
+
+def _of_samples(samples: Samples) -> Iterator[tuple[str, str]]:
+    for name, digest in samples.provenance.items():
+        yield f"samples made from {name}", digest
+
+
+def _of_model(model: Path) -> Iterator[tuple[str, str]]:
+    for name in _MODEL_FILES:
+        if (model / name).is_file():
+            yield name, sha256_file(model / name)
+
+
+def measured_on(session: Session | None) -> tuple[str, timedelta] | None:
+    """Return the day of a capture and how long it took, breaks included, by its journal."""
+    if session is None or not session.journal_path.is_file():
+        return None
+    with session.journal() as journal:
+        times = [datetime.fromisoformat(event.utc) for event in journal.events()]
+    if not times:
+        return None
+    took = max(times) - min(times)
+    return min(times).date().isoformat(), timedelta(seconds=round(took.total_seconds()))

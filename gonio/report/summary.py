@@ -1,0 +1,179 @@
+"""How good a model is, in numbers: against the truth where it is known, and at the samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.directions import paper_directions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+    from rich.table import Table
+
+    from gonio.materials import MeasuredTable
+    from gonio.samples import Samples
+    from nnbrdf.model import NNBRDF
+
+NOT_KNOWN = "not known: a rig has no truth"
+GRID_PAIRS = len(paper_directions()) ** 2
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison, in both metrics (see `nnbrdf.metrics`)."""
+
+    name: str
+    eps8: float
+    male: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The errors of a model and what they were paid with.
+
+    Attributes
+    ----------
+    against_truth
+        First the error that is quoted, the median of the members; then the delivered network,
+        over all and channel by channel. Empty where the truth is not known.
+    residual
+        Of the delivered network at the samples, with the samples' white.
+    coverage
+        Share of the true values between the 5 and 95 % quantiles; None where not known.
+    weights
+        Of one network.
+    shots
+        Number of samples.
+    """
+
+    against_truth: tuple[Row, ...]
+    residual: Row
+    coverage: float | None
+    weights: int
+    shots: int
+
+    @property
+    def error(self) -> Row | None:
+        """The error that is quoted, where the truth is known."""
+        return self.against_truth[0] if self.against_truth else None
+
+    @property
+    def share(self) -> float:
+        """Number of samples over the 6561 pairs of the full set."""
+        return self.shots / GRID_PAIRS
+
+    def rows(self) -> list[tuple[str, str, str]]:
+        """Return name, eps8 and male as a person reads them, for terminal and page."""
+        rows = [(row.name, f"{row.eps8:.2f}", f"{row.male:.3f}") for row in self.against_truth]
+        residual = (self.residual.name, f"{self.residual.eps8:.2f}", f"{self.residual.male:.3f}")
+        return [*(rows or [("error", NOT_KNOWN, "")]), residual]
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Return what else is to be known, for terminal and page."""
+        coverage = NOT_KNOWN if self.coverage is None else f"{100 * self.coverage:.0f} %"
+        return [
+            ("truth within 5 to 95 %", coverage),
+            ("shots", str(self.shots)),
+            ("share measured", f"{100 * self.share:.3g} % of {GRID_PAIRS} pairs"),
+            ("weights", str(self.weights)),
+        ]
+
+    def table(self) -> Table:
+        """Return the table for the terminal."""
+        from rich.table import Table
+
+        table = Table(box=None, pad_edge=False)
+        for name in ("", "eps8", "male"):
+            table.add_column(name)
+        for row in self.rows():
+            table.add_row(*row)
+        table.add_row()
+        for fact in self.facts():
+            table.add_row(*fact)
+        return table
+
+
+def summarize(model: Path, samples: Samples, truth: Path | None) -> Summary:
+    """Compare a model with its samples, and with the truth where there is one.
+
+    Parameters
+    ----------
+    model
+        The model's folder.
+    samples
+        What it was made from.
+    truth
+        The material on the 81 x 81 grid, as npz; None on a rig.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When the model or the truth cannot be read.
+    """
+    from gonio.materials import MeasuredTable
+    from nnbrdf.model import NNBRDF
+
+    estimate = NNBRDF.load(model)
+    true = None if truth is None else MeasuredTable.load(truth)
+    return Summary(
+        against_truth=() if true is None else _against_truth(estimate, true),
+        residual=_residual(estimate, samples),
+        coverage=None if true is None else _coverage(estimate, true),
+        weights=estimate.card.weights,
+        shots=len(samples),
+    )
+
+
+def _against_truth(estimate: NNBRDF, true: MeasuredTable) -> tuple[Row, ...]:
+    from nnbrdf.metrics import eps8, eps8_per_channel, male, male_per_channel
+
+    members, pair = member_grids(estimate), (true.values, true.white)
+    delivered = members[estimate.card.delivered]
+    channels = zip(
+        "rgb", eps8_per_channel(delivered, *pair), male_per_channel(delivered, *pair), strict=True
+    )
+    return (
+        Row(
+            f"error (median of {len(members)} networks)",
+            float(np.median([eps8(member, *pair) for member in members])),
+            float(np.median([male(member, *pair) for member in members])),
+        ),
+        Row("delivered network", eps8(delivered, *pair), male(delivered, *pair)),
+        *(Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels),
+    )
+
+
+def _residual(estimate: NNBRDF, samples: Samples) -> Row:
+    from nnbrdf.metrics import eps8, male
+
+    # noise may be below zero, where male has no logarithm
+    measured = samples.value.clip(0.0)
+    told = at_samples(estimate, samples)
+    name = "residual at the samples"
+    return Row(name, eps8(told, measured, samples.white), male(told, measured, samples.white))
+
+
+def _coverage(estimate: NNBRDF, true: MeasuredTable) -> float:
+    grid = estimate.grid()
+    return float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
+
+
+def member_grids(estimate: NNBRDF) -> NDArray[np.float64]:
+    """Return what each network says on the 81 x 81 grid, 1/sr, shape (members, 81, 81, 3)."""
+    from nnbrdf.ensemble import Ensemble, grid_pairs
+
+    light, view = grid_pairs()
+    ensemble = Ensemble(estimate.networks, estimate.card.encoding, estimate.card.white)
+    values = ensemble.predict(light.reshape(-1, 3), view.reshape(-1, 3)).clip(0.0)
+    return values.reshape(-1, *light.shape)
+
+
+def at_samples(estimate: NNBRDF, samples: Samples) -> NDArray[np.float64]:
+    """Return what the delivered network says at the samples, 1/sr, shape (n, channels)."""
+    # a single channel is repeated by the model, and one of the three is enough
+    return estimate.evaluate(samples.light, samples.view)[:, : len(samples.channels)]
