@@ -69,7 +69,7 @@ def _drawing(title: str, figure: Figure, caption: str) -> Drawing:
 
 def _spheres(estimate: NNBRDF, truth: MeasuredTable | None) -> dict[str, str]:
     white = estimate.card.white if truth is None else truth.white
-    known = {"truth": truth, "model": estimate}
+    known = {"reconstruction": estimate, "truth": truth}
     return {name: sphere_uri(each, white) for name, each in known.items() if each is not None}
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.report.figures import ACCENT, CHANNELS, LINE, MUTED, new_figure
+from gonio.report.figures import ACCENT, CHANNELS, LINE, MUTED, label_decades, new_figure
 from gonio.report.summary import at_samples
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nnbrdf.model import NNBRDF
 
 _LEAST = 1e-3
+_MANY = 2000
 
 
 def draw_training(history: History, truth: MeasuredTable | None) -> Figure:
@@ -30,6 +31,7 @@ def draw_training(history: History, truth: MeasuredTable | None) -> Figure:
     axes.plot(seconds, errors, color=MUTED, linewidth=0.6, alpha=0.6)
     axes.plot(seconds, np.median(errors, axis=1), color=ACCENT, label="median of the networks")
     axes.set_xscale("log")
+    label_decades(axes.xaxis)
     axes.set_ylim(bottom=0.0)
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel("training time (s)")
@@ -65,13 +67,15 @@ def draw_scatter(estimate: NNBRDF, samples: Samples) -> Figure:
     axes.plot(ends, ends, color=MUTED, linewidth=0.8)
     axes.axvline(samples.white, color=LINE, linewidth=0.8, zorder=0)
     for channel, color in enumerate(_colors(len(samples.channels))):
-        # thousands of dots: as a picture, since as lines they would fill the page
+        # thousands of dots as a picture: as lines they would fill the page
         axes.plot(
             measured[:, channel], told[:, channel], "o", color=color, markersize=3, alpha=0.5,
-            markeredgewidth=0, rasterized=True,
+            markeredgewidth=0, rasterized=samples.value.size > _MANY,
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        label_decades(axis)
     axes.set_xlabel("measured (1/sr)")
     axes.set_ylabel("model (1/sr)")
     return figure

@@ -12,6 +12,7 @@ from markupsafe import Markup, escape
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 INK, MUTED, LINE = "#1b1f24", "#66707a", "#d5dae0"
@@ -26,10 +27,11 @@ _VARIABLES = {
     "#666666": "muted", "#999999": "muted", "#e6e6e6": "line", "#1f77b4": "accent",
 }  # fmt: skip
 
-_STYLE = {
-    "svg.fonttype": "none", "svg.image_inline": True, "font.size": 9.0,
-    "axes.titlesize": 10.0, "axes.titlelocation": "left",
-    "text.color": INK, "axes.titlecolor": INK, "axes.labelcolor": MUTED, "axes.edgecolor": MUTED,
+_MANY = 300.0
+
+_STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none", "svg.image_inline": True, "font.size": 8.5,
+    "text.color": INK, "axes.labelcolor": MUTED, "axes.edgecolor": MUTED,
     "xtick.color": MUTED, "ytick.color": MUTED, "grid.color": LINE, "axes.facecolor": "none",
     "figure.facecolor": "none", "axes.spines.top": False, "axes.spines.right": False,
     "legend.frameon": False, "lines.linewidth": 1.4,
@@ -52,6 +54,16 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     return Figure(figsize=(width_in, height_in), dpi=200, layout="constrained")
 
 
+def label_decades(axis: Axis) -> None:
+    """Label a logarithmic axis with plain numbers: 1, 2 and 5, or 1 alone of many decades."""
+    from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _MANY * low else (1.0,)))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_locator(NullLocator())
+
+
 def inline_svg(figure: Figure, name: str, label: str) -> Markup:
     """Return a figure as an SVG element.
 
@@ -71,7 +83,7 @@ def inline_svg(figure: Figure, name: str, label: str) -> Markup:
     text = re.sub(r"(font:[^;\"]*?)'[^;\"]*", r"\1var(--sans)", text)
     for color, variable in _VARIABLES.items():
         text = text.replace(color, f"var(--{variable})")
-    return Markup(text.replace("@@@", f'role="img" aria-label="{escape(label)}"'))  # noqa: S704
+    return Markup(text.replace("@@@", f'role="img" aria-label="{escape(label)}"'))
 
 
 def _svg(figure: Figure) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from gonio.directions import RINGS_81, paper_directions
 from gonio.report.figures import new_figure
 from gonio.report.sphere import encode_srgb
+from gonio.samples import WHITE_PER_MEDIAN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
 
     from gonio.samples import Samples
 
-_SIZE_IN = (3.6, 3.6)
+_SIDE_IN = 4.2
+_BAR_IN = 0.6
 _ENLARGEMENTS = (1, 2, 5, 10, 20, 50, 100)
 _MOST = 99.0
 
@@ -33,7 +35,7 @@ def draw_map(values: NDArray[np.float64], white: float) -> Figure:
     white
         What is as bright as can be shown, in 1/sr.
     """
-    figure = new_figure(*_SIZE_IN)
+    figure = new_figure(_SIDE_IN, _SIDE_IN)
     axes = figure.subplots()
     known = np.isfinite(values).all(axis=-1, keepdims=True)
     color = encode_srgb(np.where(known, values, 0.0) / white)
@@ -44,24 +46,29 @@ def draw_map(values: NDArray[np.float64], white: float) -> Figure:
 
 def draw_sigma(sigma: NDArray[np.float64]) -> Figure:
     """Draw the standard uncertainty, the mean of the channels, shape (81, 81, 3), in 1/sr."""
-    figure = new_figure(_SIZE_IN[0] + 0.5, _SIZE_IN[1])
+    figure = new_figure(_SIDE_IN, _SIDE_IN + _BAR_IN)
     axes = figure.subplots()
     mean = sigma.mean(axis=-1)
     # a few huge ones would leave everything else black
     image = axes.imshow(
-        mean, interpolation="none", cmap="magma", vmin=0.0, vmax=float(np.percentile(mean, _MOST))
+        mean,
+        interpolation="none",
+        cmap="magma",
+        vmin=0.0,
+        vmax=float(np.percentile(mean, _MOST)),
     )
-    bar = figure.colorbar(image, ax=axes, extend="max", shrink=0.85, aspect=30)
+    bar = figure.colorbar(image, ax=axes, orientation="horizontal", extend="max", aspect=40)
     bar.set_label("σ, mean of channels (1/sr)")
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     _mark_rings(axes)
     return figure
 
 
 def enlargement(difference: NDArray[np.float64], white: float) -> int:
-    """Return by how much to enlarge a difference so that 99 % of it stays below white."""
-    most = float(np.percentile(np.abs(difference), _MOST))
-    fitting = [factor for factor in _ENLARGEMENTS if factor * most <= white]
+    """Return by how much to enlarge an absolute difference to be exposed as the material is."""
+    # the body of the material is a quarter of white, so the mean difference may be as much
+    mean = float(difference.mean())
+    fitting = [factor for factor in _ENLARGEMENTS if factor * mean <= white / WHITE_PER_MEDIAN]
     return max(fitting, default=1)
 
 
@@ -82,8 +89,8 @@ def _mark_rings(axes: Axes) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks(middles, names, fontsize=7)
         axis.set_ticks([end - 0.5 for end in ends[:-1]], minor=True)
-        axis.set_tick_params(which="major", length=0, pad=5)
-        axis.set_tick_params(which="minor", length=6)
+        axis.set_tick_params(which="major", length=0, pad=6)
+        axis.set_tick_params(which="minor", length=4)
     axes.spines[:].set_visible(False)
     axes.set_xlabel("view: θ of the ring (deg), φ rising within")
     axes.set_ylabel("light: θ of the ring (deg), φ rising within")

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from gonio.session import Session
 
+_STAGES = ("capture", "reduce", "reconstruct")
 _MEANINGS = {
     Flag.CLIPPED: "saturated in every exposure: the value is a lower bound",
     Flag.FAINT: "not above its own noise",
@@ -76,13 +77,21 @@ def _render(
         "flags": _flag_counts(samples),
         "notes": session.notes() if session else None,
         "plans": chain,
-        "timings": session.timings() if session else {},
+        "timings": _timings(session),
+        "simulated": session is not None and session.sim.is_dir(),
         "measured_on": provenance.measured_on(session),
         "versions": provenance.versions(),
         "hashes": provenance.hashes(model, samples, session),
         "drawn": draw_all(model, samples, chain, truth),
     }
     return environment.get_template("page.html").render(content)
+
+
+def _timings(session: Session | None) -> dict[str, float]:
+    """Return the seconds of each stage, in the order of the work."""
+    known = {} if session is None else session.timings()
+    order = [*_STAGES, *sorted(known.keys() - set(_STAGES))]
+    return {stage: known[stage] for stage in order if stage in known}
 
 
 def _flag_counts(samples: Samples) -> list[tuple[str, int, str]]:

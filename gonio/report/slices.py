@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.directions import from_spherical
-from gonio.report.figures import ACCENT, CHANNELS, TRUTH, new_figure
+from gonio.report.figures import ACCENT, CHANNELS, TRUTH, label_decades, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,6 +49,7 @@ def draw_slice(
             axes.plot(_VIEWS_DEG, true, color=color, linestyle=(0, (3, 1.5)), linewidth=1.0)
         _draw_samples(axes, samples, light, azimuth_deg, color)
     axes.set_yscale("log")
+    label_decades(axes.yaxis)
     axes.set_xticks(np.arange(-75, 76, 25))
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel("view angle (deg), positive away from the light")

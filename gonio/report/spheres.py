@@ -13,7 +13,7 @@ from gonio.report.sphere import shade_sphere, sphere_cover, tone_map
 if TYPE_CHECKING:
     from gonio.protocols import Material
 
-_SIZE_PX = 240
+_SIZE_PX = 180
 
 
 def sphere_uri(material: Material, white: float) -> str:
@@ -26,5 +26,5 @@ def sphere_uri(material: Material, white: float) -> str:
     color = tone_map(exposed / cover.clip(0.1))
     alpha = np.round(255.0 * cover).astype(np.uint8)
     buffer = io.BytesIO()
-    imsave(buffer, np.concatenate([color, alpha], axis=-1), metadata={"Software": None})
+    imsave(buffer, np.concatenate([color, alpha], axis=-1))
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
