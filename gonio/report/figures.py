@@ -30,7 +30,7 @@ _VARIABLES = {
 _MANY = 300.0
 
 _STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none", "svg.image_inline": True, "font.size": 8.5,
+    "svg.fonttype": "none", "svg.hashsalt": "gonio", "svg.image_inline": True, "font.size": 8.5,
     "text.color": INK, "axes.labelcolor": MUTED, "axes.edgecolor": MUTED,
     "xtick.color": MUTED, "ytick.color": MUTED, "grid.color": LINE, "axes.facecolor": "none",
     "figure.facecolor": "none", "axes.spines.top": False, "axes.spines.right": False,

@@ -1,0 +1,100 @@
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from gonio.errors import BadFileError
+from gonio.report import summarize
+from gonio.report.summary import NOT_KNOWN
+from nnbrdf.ensemble import grid_pairs
+from nnbrdf.model import NNBRDF
+
+
+def eps8(estimate, true, white):
+    b8 = [255 * np.minimum(np.maximum(f / white, 0), 1) for f in (estimate, true)]
+    return np.mean(np.abs(b8[0] - b8[1]))
+
+
+def male(estimate, true, white):
+    ratio = (np.maximum(estimate, 0) + 0.01 * white) / (true + 0.01 * white)
+    return np.mean(np.abs(np.log(ratio)))
+
+
+def test_errors_are_those_of_the_definitions(measure):
+    session, samples = measure()
+    summary = summarize(session.model, samples, session.truth_path)
+    with np.load(session.truth_path) as truth, np.load(session.model / "grid.npz") as grid:
+        true, white = truth["values"], float(truth["white"])
+        values, lo, hi = (grid[name].astype(float) for name in ("values", "lo", "hi"))
+    delivered = summary.against_truth[1]
+    assert delivered.eps8 == pytest.approx(eps8(values, true, white), rel=1e-6)
+    assert delivered.male == pytest.approx(male(values, true, white), rel=1e-6)
+    for index, channel in enumerate(summary.against_truth[2:]):
+        pair = values[..., index], true[..., index], white
+        assert channel.name.strip() == f"channel {'rgb'[index]}"
+        assert channel.eps8 == pytest.approx(eps8(*pair), rel=1e-6)
+        assert channel.male == pytest.approx(male(*pair), rel=1e-6)
+    assert summary.coverage == pytest.approx(np.mean((true >= lo) & (true <= hi)), abs=1e-4)
+
+
+def test_the_quoted_error_is_the_median_of_the_networks(measure):
+    session, samples = measure()
+    model = NNBRDF.load(session.model)
+    with np.load(session.truth_path) as truth:
+        true, white = truth["values"], float(truth["white"])
+    members = [
+        replace(model, card=model.card.model_copy(update={"delivered": k})).evaluate(*grid_pairs())
+        for k in range(5)
+    ]
+    error = summarize(session.model, samples, session.truth_path).error
+    assert error.eps8 == pytest.approx(np.median([eps8(m, true, white) for m in members]))
+    assert error.male == pytest.approx(np.median([male(m, true, white) for m in members]))
+
+
+CHANNELS = [("r", "g", "b"), ("y",)]
+
+
+@pytest.mark.parametrize("channels", CHANNELS)
+def test_the_residual_needs_no_truth(measure, channels):
+    session, samples = measure(channels=channels, truth=False)
+    summary = summarize(session.model, samples, None)
+    model = NNBRDF.load(session.model)
+    told = model.evaluate(samples.light, samples.view)[:, : len(channels)]
+    pair = told, np.maximum(samples.value, 0), 4 * np.median(samples.value)
+    assert summary.residual.eps8 == pytest.approx(eps8(*pair))
+    assert summary.residual.male == pytest.approx(male(*pair))
+    assert summary.against_truth == ()
+    assert (summary.error, summary.coverage) == (None, None)
+    assert (summary.shots, summary.share) == (16, 16 / 6561)
+    assert summary.weights == 6 * 4 + 4 + 4 * len(channels) + len(channels)
+
+
+def test_a_rig_without_truth_says_so_in_the_table(measure):
+    session, samples = measure(truth=False)
+    assert printed(summarize(session.model, samples, None)).count(NOT_KNOWN) == 2
+    assert ("error", NOT_KNOWN, "") in summarize(session.model, samples, None).rows()
+
+
+def test_the_table_says_what_the_summary_says(measure):
+    session, samples = measure()
+    summary = summarize(session.model, samples, session.truth_path)
+    text = printed(summary)
+    for row in (*summary.against_truth, summary.residual):
+        assert f"{row.eps8:.2f}" in text
+        assert f"{row.male:.3f}" in text
+    assert "0.244 % of 6561 pairs" in text
+
+
+def printed(summary):
+    console = Console(file=io.StringIO(), width=100)
+    console.print(summary.table())
+    return console.file.getvalue()
+
+
+def test_a_broken_truth_is_one_line(measure):
+    session, samples = measure()
+    session.truth_path.write_bytes(b"no archive")
+    with pytest.raises(BadFileError, match=r"truth\.npz"):
+        summarize(session.model, samples, session.truth_path)
