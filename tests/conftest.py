@@ -6,6 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# a first call may import a heavy library, which says nothing about the code under test
+settings.register_profile("gonio", deadline=None)
+settings.load_profile("gonio")
 
 MEASURED = Path(__file__).resolve().parents[2] / "shared" / "materials"
 

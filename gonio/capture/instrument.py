@@ -52,5 +52,5 @@ class Instrument:
 
     def _leave(self, *, quietly: bool) -> None:
         for shut in (self.lamps.off, self.arm.release):
-            with contextlib.suppress(GonioError if quietly else ()):
+            with contextlib.suppress(*([GonioError] if quietly else [])):
                 shut()

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from gonio.capture.instrument import Holder
+    from gonio.protocols import Material
     from gonio.session import Session
 
 DEFAULT_MATERIAL = "wood-veneer"
@@ -37,9 +38,8 @@ class TwinSettings(Document):
     seed: int = Field(ge=0)
 
 
-def remember(session: Session, settings: TwinSettings) -> None:
+def remember(session: Session, settings: TwinSettings, material: Material) -> None:
     """Store the twin's settings and its truth in a new session."""
-    material = load_material(settings.material)
     write_truth(session.truth_path, material)
     write_json(_path(session), settings.model_dump())
 

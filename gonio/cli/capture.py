@@ -82,6 +82,7 @@ def command(
     from gonio.plan import Plan
     from gonio.rig import default_rig, default_rig_text, load_rig
     from gonio.session import Notes, Session
+    from sim.materials import load_material
 
     if not sim:
         raise BadInputError(
@@ -96,15 +97,17 @@ def command(
     else:
         settings = TwinSettings(material=material or DEFAULT_MATERIAL, seed=seed or 0)
         notes = Notes(
-            sample=sample or f"{settings.material} (simulated)",
+            sample=sample or f"{Path(settings.material).stem} (simulated)",
             orientation=orientation,
             mounting=mounting,
             operator=operator,
             temperature_c=temperature_c,
         )
         rig_text = rig_path.read_text(encoding="utf-8") if rig_path else default_rig_text()
+        # a bad material is refused before anything is written
+        carried = load_material(settings.material)
         session = Session.create(output, _plan_for(plan_path, rig), rig_text, notes)
-        remember(session, settings)
+        remember(session, settings, carried)
     _measure(session, settings)
 
 
