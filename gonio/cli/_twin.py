@@ -7,7 +7,6 @@ import shutil
 from typing import TYPE_CHECKING
 
 from pydantic import Field
-from sim.twin import Twin
 
 from gonio.capture import Instrument
 from gonio.clock import VirtualClock
@@ -18,6 +17,7 @@ from gonio.validation import Document, check, parse_json, read_text
 from sim.camera import SimCamera
 from sim.materials import load_material
 from sim.truth import write_truth
+from sim.twin import Twin
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
