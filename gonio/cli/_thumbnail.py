@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.style import Style
 from rich.text import Text
 
-from gonio.report.sphere import shade_sphere, sphere_cover, tone_map
+from nnbrdf.sphere import shade_sphere, sphere_cover, tone_map
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.files import write_with
-from gonio.report.sphere import shade_sphere, sphere_cover, tone_map
+from nnbrdf.sphere import shade_sphere, sphere_cover, tone_map
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,8 +9,8 @@ import numpy as np
 
 from gonio.directions import RINGS_81, paper_directions
 from gonio.report.figures import new_figure
-from gonio.report.sphere import encode_srgb
 from gonio.samples import WHITE_PER_MEDIAN
+from nnbrdf.sphere import encode_srgb
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

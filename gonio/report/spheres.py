@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.report.sphere import shade_sphere, sphere_cover, tone_map
+from nnbrdf.sphere import shade_sphere, sphere_cover, tone_map
 
 if TYPE_CHECKING:
     from gonio.protocols import Material

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 import pytest
 
-from gonio.report.sphere import shade_sphere, sphere_cover, tone_map
 from nnbrdf.analytic import AnisotropicGGX, Lambert
+from nnbrdf.sphere import shade_sphere, sphere_cover, tone_map
 from sim.materials import EMBEDDED
 
 GONIO = [sys.executable, "-c", "from gonio.cli import main; main()", "materials"]
