@@ -112,11 +112,13 @@ def to_half_difference(
     difference vector is the light's direction in that frame (Rusinkiewicz 1998, section 3).
     Exchanging light and view turns phi_d by pi and changes nothing else.
 
-    Where the half vector is the normal, phi_h is 0 and phi_d the light's azimuth. Where light and
-    view coincide, theta_d and phi_d are 0.
+    Where the half vector is the normal, but for rounding, phi_h is 0 and phi_d the light's
+    azimuth. Where light and view coincide, theta_d and phi_d are 0.
     """
     light = np.asarray(light, np.float64)
     theta_h, phi_h = to_spherical(half_vector(light, view))
+    # computed mirror pairs miss the normal by 1e-16, and their phi_h would be that of the rounding
+    phi_h = np.where(theta_h < 1e-12, 0.0, phi_h)
     theta_d, phi_d = to_spherical(_turn_y(_turn_z(light, -phi_h), -theta_h))
     coincide = np.all(light == np.asarray(view, np.float64), axis=-1)
     return theta_h, phi_h, np.where(coincide, 0.0, theta_d), np.where(coincide, 0.0, phi_d)

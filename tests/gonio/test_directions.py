@@ -163,6 +163,16 @@ def test_where_the_half_vector_is_the_normal_phi_d_is_the_lights_azimuth():
         assert phi_d == pytest.approx(azimuth)
 
 
+@given(theta=st.floats(0.01, 1.5), phi=PHI)
+def test_rounding_does_not_choose_phi_h_of_mirror_pairs(theta, phi):
+    light, view = from_spherical(theta, phi), from_spherical(theta, phi + math.pi)
+    theta_h, phi_h, theta_d, phi_d = to_half_difference(light, view)
+    assert phi_h == 0.0
+    assert theta_h == pytest.approx(0.0, abs=1e-12)
+    assert theta_d == pytest.approx(theta)
+    assert turn_difference(phi_d, phi) == pytest.approx(0.0, abs=1e-9)
+
+
 @given(light=DIRECTION, view=DIRECTION, turn=st.floats(0.1, 6.0))
 def test_turning_the_sample_turns_phi_h_alone(light, view, turn):
     """An isotropic material sees theta_h, theta_d and phi_d only."""
