@@ -2,6 +2,7 @@ VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
 
 .PHONY: help setup demo test bench docs format clean
 
@@ -10,9 +11,10 @@ help:            ## list the targets
 
 setup: $(STAMP)  ## a virtual environment with everything in it
 
-$(STAMP): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
+$(STAMP): pyproject.toml constraints.txt $(KERNEL)
+	@echo "installing gonio and its tools into $(VENV); this takes a minute or two"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/pip install -qq --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
 	@touch $@
 
 demo: setup      ## plan, capture on the simulated rig, reconstruct; then open demo/session/report.html
@@ -38,4 +40,4 @@ format: setup    ## write the format that test checks
 	$(BIN)/ruff format . && $(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info docs/_build demo
+	rm -rf $(VENV) build dist *.egg-info docs/_build demo nnbrdf/*.so

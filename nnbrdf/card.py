@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from gonio.errors import BadFileError
 from gonio.validation import Document, check, parse_json, read_text
+from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.encoding import INPUTS
 from nnbrdf.network import weight_count
 
@@ -40,15 +41,19 @@ class Card(Document):
         Number of weights and biases of one member.
     samples, steps, seed
         How many samples, how many batches, and which seed it was trained with.
+    trainer
+        Which of `nnbrdf.training.TRAINERS` made it: the same seed gives each other numbers.
+    diverged
+        How many members more there were, whose gradient overflowed.
     provenance
         SHA-256 hashes of what the samples were made from, by name.
     """
 
     schema_: Literal["gonio.model/1"] = Field(default=SCHEMA, alias="schema")
     estimator: str
-    encoding: Literal["xyz"]
+    encoding: str
     layers: tuple[Count, ...] = Field(min_length=2)
-    activation: Literal["softsign"]
+    activation: str
     white: float = Field(gt=0)
     delivered: int = Field(ge=0)
     final_losses: tuple[Annotated[float, Field(ge=0)], ...] = Field(min_length=2)
@@ -58,10 +63,16 @@ class Card(Document):
     samples: Count
     steps: Count
     seed: int = Field(ge=0)
+    trainer: str
+    diverged: int = Field(ge=0)
     provenance: dict[str, str]
 
     @model_validator(mode="after")
     def _fits_together(self) -> Card:
+        if self.encoding not in INPUTS:
+            raise ValueError(f"encoding: must be one of {', '.join(INPUTS)}")
+        if self.activation not in ACTIVATIONS:
+            raise ValueError(f"activation: must be one of {', '.join(ACTIVATIONS)}")
         if self.layers[0] != INPUTS[self.encoding] or self.layers[-1] != len(self.channels):
             raise ValueError("layers: does not begin with the inputs and end with the channels")
         if len(self.channels) not in (1, 3):

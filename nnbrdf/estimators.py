@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.errors import BadInputError, MissingExtraError
+from gonio.errors import BadInputError
+from nnbrdf.activations import activation_named
 from nnbrdf.card import Card
-from nnbrdf.encoding import ENCODINGS, INPUTS
+from nnbrdf.encoding import ENCODINGS, INPUTS, encoding_named
 from nnbrdf.history import History
 from nnbrdf.model import NNBRDF
 from nnbrdf.network import glorot_uniform, weight_count
+from nnbrdf.training import default_trainer, epoch_steps, train
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,16 +26,16 @@ if TYPE_CHECKING:
     from nnbrdf.history import Checkpoint
 
 MIN_SAMPLES = 8
-_ENCODING = "xyz"
+_LEAST_MEMBERS = 2
 
 
 @dataclass
 class PaperEstimator:
     """The NN-BRDF of Mikes and Haindl (2023), several times over to tell its spread.
 
-    SoftSign networks on the unit vectors of view and light, trained on min(value / white, 1), where
-    white is 4 x the samples' median. Samples flagged as clipped are kept: they are lower bounds,
-    and mostly above white, where targets end anyway. Sigmas of the samples are not used.
+    Networks trained on min(value / white, 1), where white is 4 x the samples' median. Samples
+    flagged as clipped are kept: they are lower bounds, and mostly above white, where targets end
+    anyway. Sigmas of the samples are not used. Members whose gradient overflows are left out.
 
     Attributes
     ----------
@@ -45,6 +47,11 @@ class PaperEstimator:
         Of the starts and of the orders of the samples.
     members
         How many networks; sigma has one degree of freedom less.
+    activation, encoding
+        Names of `nnbrdf.activations.ACTIVATIONS` and `nnbrdf.encoding.ENCODINGS`; by default the
+        paper's, SoftSign on the unit vectors of view and light.
+    trainer
+        A name of `nnbrdf.training.TRAINERS`; by default the quickest there is.
     """
 
     hidden: tuple[int, ...] = (15, 30, 20)
@@ -52,16 +59,21 @@ class PaperEstimator:
     steps: int | None = None
     seed: int = 0
     members: int = 5
+    activation: str = "softsign"
+    encoding: str = "xyz"
+    trainer: str | None = None
     name: str = field(default="paper", init=False)
 
     def __post_init__(self) -> None:
-        least = {"epochs": 1, "steps": 1, "seed": 0, "members": 2}
+        least = {"epochs": 1, "steps": 1, "seed": 0, "members": _LEAST_MEMBERS}
         for name, minimum in least.items():
             value = getattr(self, name)
             if value is not None and value < minimum:
                 raise BadInputError(f"{name} is {value}; give at least {minimum}")
         if min(self.hidden, default=1) < 1:
             raise BadInputError(f"hidden is {self.hidden}; give each layer at least 1 output")
+        activation_named(self.activation)
+        encoding_named(self.encoding)
 
     def fit(self, samples: Samples, progress: Progress | None = None) -> NNBRDF:
         """Train the members and deliver the one with the median final loss.
@@ -69,10 +81,11 @@ class PaperEstimator:
         Raises
         ------
         gonio.errors.BadInputError
-            For fewer than 8 samples, values that are not finite, a negative sigma, or a number of
-            channels other than one or three.
+            For fewer than 8 samples, values that are not finite, a negative sigma, a number of
+            channels other than one or three, or when the gradients of all members but one, or of
+            all, overflow.
         gonio.errors.MissingExtraError
-            Where torch is not installed.
+            Where the kernel was not compiled and torch is not installed.
         """
         _check(samples)
         history = self._train(samples, progress)
@@ -80,29 +93,32 @@ class PaperEstimator:
         return NNBRDF(self._card(samples, end), end.networks, history)
 
     def _train(self, samples: Samples, progress: Progress | None) -> History:
-        try:
-            from nnbrdf.training import epoch_steps, train
-        except ModuleNotFoundError as error:
-            if error.name != "torch":
-                raise
-            raise MissingExtraError("torch", "nn") from None
         steps = self.steps or self.epochs * epoch_steps(len(samples))
         sequence = np.random.SeedSequence(self.seed)
         generators = [np.random.default_rng(each) for each in sequence.spawn(self.members)]
-        start = glorot_uniform(self._sizes(samples), generators)
-        inputs = ENCODINGS[_ENCODING](samples.light, samples.view)
-        checkpoints = train(start, inputs, _targets(samples), steps, generators, progress)
-        return History(tuple(checkpoints), _ENCODING, samples.white)
+        start = glorot_uniform(self._sizes(samples), generators, activation=self.activation)
+        seeds = [int(each.integers(2**63)) for each in generators]
+        inputs = ENCODINGS[self.encoding](samples.light, samples.view)
+        checkpoints = train(start, inputs, _targets(samples), steps, seeds, progress, self.trainer)
+        kept = np.flatnonzero(~checkpoints[-1].diverged).tolist()
+        if len(kept) < _LEAST_MEMBERS:
+            raise BadInputError(
+                f"the gradients of {self.members - len(kept)} of {self.members} networks with "
+                f"activation {self.activation} overflowed; use another activation"
+            )
+        return History(
+            tuple(point.select(kept) for point in checkpoints), self.encoding, samples.white
+        )
 
     def _sizes(self, samples: Samples) -> tuple[int, ...]:
-        return (INPUTS[_ENCODING], *self.hidden, len(samples.channels))
+        return (INPUTS[self.encoding], *self.hidden, len(samples.channels))
 
     def _card(self, samples: Samples, end: Checkpoint) -> Card:
         return Card(
             estimator=self.name,
-            encoding=_ENCODING,
+            encoding=self.encoding,
             layers=self._sizes(samples),
-            activation="softsign",
+            activation=self.activation,
             white=samples.white,
             delivered=_median_index(end.loss),
             final_losses=tuple(end.loss.tolist()),
@@ -112,6 +128,8 @@ class PaperEstimator:
             samples=len(samples),
             steps=end.step,
             seed=self.seed,
+            trainer=self.trainer or default_trainer(),
+            diverged=self.members - end.networks.members,
             provenance=samples.provenance,
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +11,13 @@ import numpy as np
 
 from gonio.errors import BadFileError
 from gonio.files import write_with
+from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.encoding import ENCODINGS
 from nnbrdf.ensemble import GRID_CHANNELS, Ensemble, grid_pairs
 from nnbrdf.network import Networks
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -39,12 +40,25 @@ class Checkpoint:
         Mean absolute error of each member over all samples, in units of white, shape (members,).
     networks
         The members as they were.
+    diverged
+        Which of them have stopped since their gradient was not finite, shape (members,).
     """
 
     step: int
     seconds: float
     loss: NDArray[np.float64]
     networks: Networks
+    diverged: NDArray[np.bool_]
+
+    def select(self, members: Sequence[int]) -> Checkpoint:
+        """Return some of the members, in that order."""
+        chosen = list(members)
+        return replace(
+            self,
+            loss=self.loss[chosen],
+            networks=self.networks.select(chosen),
+            diverged=self.diverged[chosen],
+        )
 
 
 @dataclass(frozen=True)
@@ -90,6 +104,8 @@ class History:
             "step": [point.step for point in points],
             "seconds": [point.seconds for point in points],
             "loss": [point.loss for point in points],
+            "diverged": [point.diverged for point in points],
+            "activation": points[0].networks.activation,
         } | {f"layer_{index}": np.stack(layer) for index, layer in enumerate(layers)}
 
         def write(aside: Path) -> None:
@@ -122,13 +138,16 @@ class History:
     @classmethod
     def _from_arrays(cls, arrays: Mapping[str, NDArray[Any]], path: Path) -> History:
         schema, encoding = str(arrays["schema"]), str(arrays["encoding"])
-        if schema != SCHEMA or encoding not in ENCODINGS:
-            raise BadFileError(path, f"has schema {schema!r}, encoding {encoding!r}", _REMEDY)
+        activation = str(arrays["activation"])
+        if schema != SCHEMA or encoding not in ENCODINGS or activation not in ACTIVATIONS:
+            found = f"has schema {schema!r}, encoding {encoding!r}, activation {activation!r}"
+            raise BadFileError(path, found, _REMEDY)
         count = sum(name.startswith("layer_") for name in arrays)
         layers = [arrays[f"layer_{index}"] for index in range(count)]
+        networks = [Networks(each, activation) for each in zip(*layers, strict=True)]
         points = zip(
             arrays["step"].tolist(), arrays["seconds"].tolist(), arrays["loss"],
-            map(Networks, zip(*layers, strict=True)), strict=True,
+            networks, arrays["diverged"], strict=True,
         )  # fmt: skip
         checkpoints = tuple(Checkpoint(*point) for point in points)
         return cls(checkpoints, encoding, float(arrays["white"]))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nnbrdf.activations import activation_named
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -16,22 +18,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Networks:
-    """Members of one shape, evaluated together: SoftSign in the hidden layers, linear output.
+    """Members of one shape, evaluated together; the output is linear.
 
     Attributes
     ----------
     layers
         One array a layer, shape (members, outputs, inputs + 1); the last column is the bias.
+    activation
+        Of the hidden layers, a name of `nnbrdf.activations.ACTIVATIONS`.
 
     Raises
     ------
     ValueError
         When a layer's inputs are not the outputs of the one before it.
+    gonio.errors.BadInputError
+        For an unknown activation.
     """
 
     layers: tuple[NDArray[Any], ...]
+    activation: str = "softsign"
 
     def __post_init__(self) -> None:
+        activation_named(self.activation)
         for layer, next_layer in pairwise(self.layers):
             if next_layer.shape[::2] != (layer.shape[0], layer.shape[1] + 1):
                 raise ValueError(
@@ -50,7 +58,11 @@ class Networks:
 
     def member(self, index: int) -> Networks:
         """Return one of the networks, as a stack of one."""
-        return Networks(tuple(layer[index][None] for layer in self.layers))
+        return self.select([index])
+
+    def select(self, indices: Sequence[int]) -> Networks:
+        """Return some of the networks, in that order."""
+        return Networks(tuple(layer[list(indices)] for layer in self.layers), self.activation)
 
     def forward(self, inputs: NDArray[Any]) -> NDArray[np.float64]:
         """Return what each member makes of each input.
@@ -67,18 +79,13 @@ class Networks:
             inputs are split into chunks, and must not show.
         """
         signal = np.asarray(inputs, np.float64).T[None]
+        activate = activation_named(self.activation)
         for index, layer in enumerate(self.layers):
             wide = layer.astype(np.float64)
             total = wide[:, :, :-1] @ signal + wide[:, :, -1:]
             is_output = index == len(self.layers) - 1
-            signal = total if is_output else softsign(total)
+            signal = total if is_output else activate(total)
         return np.swapaxes(signal, 1, 2)
-
-
-def softsign(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return x / (1 + |x|)."""
-    result: NDArray[np.float64] = x / (1.0 + np.abs(x))
-    return result
 
 
 def weight_count(sizes: Sequence[int]) -> int:
@@ -90,13 +97,15 @@ def glorot_uniform(
     sizes: Sequence[int],
     generators: Sequence[np.random.Generator],
     dtype: type[np.floating[Any]] = np.float32,
+    activation: str = "softsign",
 ) -> Networks:
     """Start one network a generator: weights uniform in +-sqrt(6 / (inputs + outputs)), biases 0.
 
     Glorot and Bengio (2010), equation 16.
     """
     members = [_glorot_member(sizes, generator, dtype) for generator in generators]
-    return Networks(tuple(np.stack(layer) for layer in zip(*members, strict=True)))
+    layers = tuple(np.stack(layer) for layer in zip(*members, strict=True))
+    return Networks(layers, activation)
 
 
 def _glorot_member(

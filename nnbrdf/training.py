@@ -1,21 +1,18 @@
-"""Training of stacked networks, each on its own order of the same samples; needs torch."""
+"""Training of stacked networks, each on its own order of the same samples."""
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-from itertools import islice
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import torch
 
-from nnbrdf.adamax import Adamax
-from nnbrdf.gradient import Gradient, Parameters
+from gonio.errors import BadInputError, MissingExtraError
+from nnbrdf import fused
 from nnbrdf.history import Checkpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -24,20 +21,44 @@ if TYPE_CHECKING:
 
 BATCH = 32
 CHECKPOINTS = 25
+RATE = 0.0025
+TRAINERS = ("fused", "torch", "cuda")
+"""The compiled kernel, torch on the processor, torch on a GPU."""
 
 
-def train(
+class Trainer(Protocol):
+    """Networks in training: `nnbrdf.fused.FusedTrainer`, `nnbrdf.batched.BatchedTrainer`."""
+
+    def run(self, steps: int) -> None:
+        """Take so many steps more."""
+
+    def predict(self, inputs: NDArray[Any]) -> NDArray[Any]:
+        """Return what the members say now, shape (members, n, outputs)."""
+
+    def networks(self) -> Networks:
+        """Return a copy of the members as they are now."""
+
+    @property
+    def diverged(self) -> NDArray[np.bool_]:
+        """Which members have stopped since their gradient was not finite."""
+
+
+def default_trainer() -> str:
+    """Return `fused` where the kernel was compiled, else `torch`."""
+    return "fused" if fused.is_available() else "torch"
+
+
+def make_trainer(
     networks: Networks,
     inputs: NDArray[np.float64],
     targets: NDArray[np.float64],
-    steps: int,
-    generators: Sequence[np.random.Generator],
-    progress: Progress | None = None,
-) -> list[Checkpoint]:
-    """Train all members at once; each ends where it would have ended alone.
+    seeds: Sequence[int],
+    trainer: str | None = None,
+    rate: float = RATE,
+) -> Trainer:
+    """Put networks into training: mean absolute error, Adamax, batches of 32.
 
-    Mean absolute error, Adamax, batches of 32; the last batch of an epoch may be smaller and
-    counts as one step. One core, since the matrices are too small to share.
+    The last batch of an epoch may be smaller and counts as one step.
 
     Parameters
     ----------
@@ -45,10 +66,56 @@ def train(
         Where to start; its precision is the training's.
     inputs, targets
         Shapes (n, inputs) and (n, outputs).
+    seeds
+        One a member.
+    trainer
+        A name of `TRAINERS`; by default `fused` where it was compiled, else `torch`.
+    rate
+        Step size.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        For an unknown trainer, or one that this machine has not got.
+    gonio.errors.MissingExtraError
+        When torch is wanted and not installed.
+    """
+    name = trainer or default_trainer()
+    if name not in TRAINERS:
+        raise BadInputError(f"trainer {name!r} is not known; use {', '.join(TRAINERS)}")
+    if name == "fused":
+        return fused.FusedTrainer(networks, inputs, targets, seeds, rate)
+    try:
+        import torch
+
+        from nnbrdf.batched import BatchedTrainer
+    except ModuleNotFoundError as error:
+        if error.name != "torch":
+            raise
+        raise MissingExtraError("torch", "nn") from None
+    if name == "cuda" and not torch.cuda.is_available():
+        raise BadInputError("trainer cuda finds no GPU here; use fused or torch")
+    device = "cuda" if name == "cuda" else "cpu"
+    return BatchedTrainer(networks, inputs, targets, seeds, rate, device)
+
+
+def train(
+    networks: Networks,
+    inputs: NDArray[np.float64],
+    targets: NDArray[np.float64],
+    steps: int,
+    seeds: Sequence[int],
+    progress: Progress | None = None,
+    trainer: str | None = None,
+) -> list[Checkpoint]:
+    """Train all members; each ends where it would have ended alone.
+
+    Parameters
+    ----------
+    networks, inputs, targets, seeds, trainer
+        As in `make_trainer`.
     steps
         Number of batches; an epoch may be left unfinished.
-    generators
-        One a member, for the order of the samples in each epoch.
     progress
         Called with the steps done, about a hundred times.
 
@@ -57,16 +124,20 @@ def train(
     list of Checkpoint
         At about 25 steps, spaced by equal ratios; the last is the end.
     """
-    dtype = networks.layers[0].dtype
-    with _one_thread(), torch.inference_mode():
-        parameters = Parameters(networks)
-        batches = islice(_batches(inputs.astype(dtype), targets.astype(dtype), generators), steps)
-        recorder = _Recorder(parameters, inputs, targets, steps)
-        for step in _descend(parameters, batches):
-            recorder.after(step)
-            if progress is not None and (step % max(steps // 100, 1) == 0 or step == steps):
-                progress(step, steps)
-        return recorder.checkpoints
+    running = make_trainer(networks, inputs, targets, seeds, trainer)
+    wanted = set(checkpoint_steps(steps))
+    stops = sorted(wanted | set(range(0, steps, max(steps // 100, 1))[1:]))
+    checkpoints, done, seconds = [], 0, 0.0
+    for stop in stops:
+        began = perf_counter()
+        running.run(stop - done)
+        seconds += perf_counter() - began
+        done = stop
+        if stop in wanted:
+            checkpoints.append(_checkpoint(running, inputs, targets, stop, seconds))
+        if progress is not None:
+            progress(stop, steps)
+    return checkpoints
 
 
 def epoch_steps(samples: int) -> int:
@@ -79,69 +150,13 @@ def checkpoint_steps(steps: int) -> list[int]:
     return sorted({round(step) for step in np.geomspace(1, steps, CHECKPOINTS).tolist()})
 
 
-class _Recorder:
-    """Keeps checkpoints; the time that it takes itself does not count."""
-
-    def __init__(
-        self,
-        parameters: Parameters,
-        inputs: NDArray[np.float64],
-        targets: NDArray[np.float64],
-        steps: int,
-    ) -> None:
-        self._parameters = parameters
-        self._inputs, self._targets = inputs, targets
-        self._wanted = set(checkpoint_steps(steps))
-        self._start = perf_counter()
-        self.checkpoints: list[Checkpoint] = []
-
-    def after(self, step: int) -> None:
-        if step not in self._wanted:
-            return
-        now = perf_counter()
-        networks = self._parameters.networks()
-        residual = networks.forward(self._inputs) - self._targets
-        loss = np.abs(residual).mean(axis=(1, 2))
-        self.checkpoints.append(Checkpoint(step, now - self._start, loss, networks))
-        self._start += perf_counter() - now
-
-
-def _descend(
-    parameters: Parameters, batches: Iterator[tuple[torch.Tensor, torch.Tensor]]
-) -> Iterator[int]:
-    """Take one step a batch; yields how many have been taken."""
-    adamax = Adamax(parameters.value, parameters.gradient)
-    gradients: dict[int, Gradient] = {}
-    for step, (inputs, targets) in enumerate(batches, start=1):
-        size = inputs.shape[2]
-        if size not in gradients:
-            gradients[size] = Gradient(parameters, size)
-        gradients[size].compute(inputs, targets)
-        adamax.step()
-        yield step
-
-
-def _batches(
-    inputs: NDArray[Any], targets: NDArray[Any], generators: Sequence[np.random.Generator]
-) -> Iterator[tuple[torch.Tensor, torch.Tensor]]:
-    """Yield batches without end, shapes (members, features, <= 32), each epoch in a new order."""
-    count = len(inputs)
-    ones = np.ones((1, count), inputs.dtype)
-    columns = torch.from_numpy(np.concatenate([inputs.T, ones]))
-    wanted = torch.from_numpy(np.ascontiguousarray(targets.T))
-    while True:
-        order = torch.from_numpy(np.stack([each.permutation(count) for each in generators]))
-        shuffled = [rows[:, order].transpose(0, 1).contiguous() for rows in (columns, wanted)]
-        for start in range(0, count, BATCH):
-            x, y = (rows[:, :, start : start + BATCH] for rows in shuffled)
-            yield x, y
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
+def _checkpoint(
+    running: Trainer,
+    inputs: NDArray[np.float64],
+    targets: NDArray[np.float64],
+    step: int,
+    seconds: float,
+) -> Checkpoint:
+    residual = running.predict(inputs).astype(np.float64) - targets
+    loss = np.abs(residual).mean(axis=(1, 2))
+    return Checkpoint(step, seconds, loss, running.networks(), running.diverged)

@@ -46,7 +46,7 @@ def read_weights(folder: Path, card: Card) -> Networks:
     except (safetensors.SafetensorError, KeyError, ValueError, TypeError) as error:
         raise BadFileError(path, f"is broken ({error})", REMEDY) from None
     layers = tuple(_checked(tensors, *wanted, path) for wanted in _expected(card))
-    return Networks(layers)
+    return Networks(layers, card.activation)
 
 
 def _expected(card: Card) -> list[tuple[str, tuple[int, ...]]]:

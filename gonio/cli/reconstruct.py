@@ -45,6 +45,23 @@ SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
     type=click.IntRange(min=1),
     help="Train for so many steps instead of epochs; 103000 are 500 epochs of all 6561 pairs.",
 )
+@click.option(
+    "--activation",
+    default="softsign",
+    show_default=True,
+    help="Of the hidden layers: tanh, gelu, relu, ... (any other word lists all twenty).",
+)
+@click.option(
+    "--encoding",
+    default="xyz",
+    show_default=True,
+    help="Inputs made of the directions: sincos, half-difference, ... (any other word lists all).",
+)
+@click.option(
+    "--trainer",
+    type=click.Choice(["fused", "torch", "cuda"]),
+    help="Who trains: the compiled kernel, torch, or torch on a GPU.  [default: the kernel]",
+)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 def command(
     *,
@@ -54,6 +71,9 @@ def command(
     weights: str,
     epochs: int,
     steps: int | None,
+    activation: str,
+    encoding: str,
+    trainer: str | None,
     seed: int,
 ) -> None:
     """Turn SOURCE into a material for the whole hemisphere, with error bars.
@@ -70,7 +90,15 @@ def command(
     """  # noqa: D301
     from nnbrdf.estimators import PaperEstimator
 
-    recipe = PaperEstimator(hidden=SIZES[weights], epochs=epochs, steps=steps, seed=seed)
+    recipe = PaperEstimator(
+        hidden=SIZES[weights],
+        epochs=epochs,
+        steps=steps,
+        seed=seed,
+        activation=activation,
+        encoding=encoding,
+        trainer=trainer,
+    )
     if source.is_file():
         _from_table(recipe, source, output or source.parent / "model")
     else:

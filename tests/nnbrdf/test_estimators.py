@@ -162,9 +162,9 @@ def test_estimators_by_name():
         estimator_named("prior")
 
 
-def test_without_torch_it_says_what_to_install():
+def test_with_neither_kernel_nor_torch_it_says_what_to_install():
     code = (
-        "import sys; sys.modules['torch'] = None\n"
+        "import sys; sys.modules['torch'] = sys.modules['nnbrdf._fused'] = None\n"
         "import numpy as np\n"
         "from gonio.samples import Samples\n"
         "from nnbrdf.estimators import PaperEstimator\n"
@@ -209,3 +209,22 @@ def test_scores_on_a_measured_material(measured, name, expected_eps8, expected_m
     assert history.checkpoints[-1].step == 3500
     assert np.median(errors) == pytest.approx(expected_eps8, abs=band)
     assert np.median(logs) == pytest.approx(expected_male, abs=0.02)
+
+
+@pytest.mark.parametrize(("activation", "encoding"), [("gelu", "sincos"), ("relu", "spherical")])
+def test_activation_and_encoding_by_name(activation, encoding):
+    samples = some_samples()
+    recipe = PaperEstimator(steps=20, activation=activation, encoding=encoding)
+    model = recipe.fit(samples)
+    assert (model.card.activation, model.card.encoding) == (activation, encoding)
+    assert model.networks.activation == activation
+    assert np.isfinite(model.evaluate(samples.light, samples.view)).all()
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [({"activation": "silu"}, "use linear, sigmoid"), ({"encoding": "abc"}, "xyz")],
+)
+def test_an_unknown_name_lists_the_known(setting, message):
+    with pytest.raises(BadInputError, match=message):
+        PaperEstimator(**setting)

@@ -11,7 +11,11 @@ def a_history(channels=3):
     rngs = [np.random.default_rng(seed) for seed in range(2)]
     points = [
         Checkpoint(
-            step, 0.1 * step, np.array([0.5, 0.4]) / step, glorot_uniform((6, 4, channels), rngs)
+            step,
+            0.1 * step,
+            np.array([0.5, 0.4]) / step,
+            glorot_uniform((6, 4, channels), rngs, activation="tanh"),
+            np.array([False, step > 10]),
         )
         for step in (1, 10, 100)
     ]
@@ -25,6 +29,8 @@ def test_comes_back_whole(tmp_path):
     assert (loaded.encoding, loaded.white, len(loaded)) == ("xyz", 0.8, 3)
     for a, b in zip(loaded.checkpoints, history.checkpoints, strict=True):
         assert (a.step, a.seconds, a.loss.tolist()) == (b.step, b.seconds, b.loss.tolist())
+        assert a.diverged.tolist() == b.diverged.tolist()
+        assert a.networks.activation == "tanh"
         for x, y in zip(a.networks.layers, b.networks.layers, strict=True):
             assert np.array_equal(x, y)
             assert x.dtype == np.float32
@@ -61,6 +67,7 @@ BAD = {
     "truncated": (lambda path: path.write_bytes(path.read_bytes()[:3000]), "is not a training"),
     "foreign": (lambda path: path.write_text("hello"), "is not a training history"),
     "another schema": (without("schema", schema="gonio.history/9"), "schema 'gonio.history/9'"),
+    "another activation": (without("activation", activation="abc"), "activation 'abc'"),
     "another encoding": (without("encoding", encoding="abc"), "encoding 'abc'"),
     "no loss": (without("loss"), "loss: is missing"),
     "layers that do not follow": (without("layer_1", layer_1=np.ones((3, 2, 3, 9))), "do not fit"),

@@ -37,9 +37,12 @@ def a_model(channels=("r", "g", "b"), seed=0, delivered=1, history=False):
         samples=196,
         steps=10,
         seed=seed,
+        trainer="fused",
+        diverged=0,
         provenance={"table": "ab" * 32},
     )
-    points = (Checkpoint(10, 0.1, np.array(card.final_losses), networks),)
+    none = np.zeros(5, bool)
+    points = (Checkpoint(10, 0.1, np.array(card.final_losses), networks, none),)
     return NNBRDF(card, networks, History(points, "xyz", 0.7) if history else None)
 
 
@@ -209,7 +212,8 @@ BAD = {
     "another version": (card_with(schema="gonio.model/2"), "schema 'gonio.model/2', not 'gonio.mo"),
     "a key is wrong": (card_with(white=-1), "model.json: white: "),
     "a key is unknown": (card_with(color="red"), "color: is not a known key"),
-    "an encoding is unknown": (card_with(encoding="abc"), "encoding: "),
+    "an encoding is unknown": (card_with(encoding="abc"), "encoding: must be one of "),
+    "an activation is unknown": (card_with(activation="abc"), "activation: must be one of "),
     "no such member": (card_with(delivered=5), "there is no such member"),
     "channels do not fit": (card_with(channels=["y"]), "layers: does not begin"),
     "weights do not fit": (card_with(weights=7), "weights: layers make 83"),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from nnbrdf.encoding import ENCODINGS, INPUTS, encode_xyz
-from nnbrdf.network import Networks, glorot_uniform, softsign, weight_count
+from nnbrdf.network import Networks, glorot_uniform, weight_count
 
 PAPER = (6, 15, 30, 20, 3)
 
@@ -42,10 +42,6 @@ def test_a_member_alone_says_what_it_says_among_others():
     assert alone.sizes == networks.sizes == PAPER
     assert (alone.members, networks.members) == (1, 3)
     assert np.allclose(alone.forward(inputs)[0], networks.forward(inputs)[1], rtol=1e-13)
-
-
-def test_softsign():
-    assert softsign(np.array([-3.0, 0.0, 1.0])).tolist() == [-0.75, 0.0, 0.5]
 
 
 def test_glorot_uniform_fills_its_range_and_leaves_biases_at_zero():

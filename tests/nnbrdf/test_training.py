@@ -1,15 +1,17 @@
-"""The hand-written gradient and optimizer against torch's own, and the ensemble against members."""
+"""Both trainers through one door: what a training does, whoever does it."""
 
 import numpy as np
 import pytest
 import torch
 
-from nnbrdf.adamax import RATE, Adamax
-from nnbrdf.gradient import Gradient, Parameters
+from gonio.errors import BadInputError
+from nnbrdf import fused
 from nnbrdf.network import Networks, glorot_uniform
-from nnbrdf.training import checkpoint_steps, epoch_steps, train
+from nnbrdf.training import RATE, checkpoint_steps, epoch_steps, make_trainer, train
 
 SIZES = (6, 15, 30, 20, 3)
+TRAINERS = ["fused", "torch"] if fused.is_available() else ["torch"]
+each_trainer = pytest.mark.parametrize("trainer", TRAINERS)
 
 
 def generators(count, seed=0):
@@ -28,6 +30,10 @@ def some_samples(count, outputs=3):
     return rng.normal(size=(count, 6)), rng.random((count, outputs))
 
 
+def seeds(count, seed=0):
+    return [int(each.integers(2**63)) for each in generators(count, seed)]
+
+
 def torch_forward(layers, inputs):
     signal = inputs
     for index, layer in enumerate(layers):
@@ -35,41 +41,6 @@ def torch_forward(layers, inputs):
         if index < len(layers) - 1:
             signal = torch.nn.functional.softsign(signal)
     return signal
-
-
-@pytest.mark.parametrize("batch", [32, 4, 1])
-@pytest.mark.parametrize("sizes", [SIZES, (6, 3, 6, 4, 1), (6, 3)], ids=str)
-def test_the_gradient_is_the_one_of_autograd(batch, sizes):
-    networks = a_start(3, sizes=sizes)
-    rng = np.random.default_rng(3)
-    inputs = torch.from_numpy(rng.normal(size=(3, batch, 6)))
-    targets = torch.from_numpy(rng.random((3, batch, sizes[-1])))
-    parameters = Parameters(networks)
-    columns = torch.cat([inputs, torch.ones(3, batch, 1, dtype=torch.float64)], dim=2)
-    gradient = Gradient(parameters, batch)
-    for _ in range(2):  # the buffers of a pass must not leak into the next
-        gradient.compute(columns.transpose(1, 2).contiguous(), targets.transpose(1, 2).contiguous())
-    for member in range(3):
-        leaves = [torch.tensor(layer[member], requires_grad=True) for layer in networks.layers]
-        outputs = torch_forward(leaves, inputs[member])
-        torch.nn.functional.l1_loss(outputs, targets[member]).backward()
-        for leaf, own in zip(leaves, parameters.layer_gradients, strict=True):
-            assert torch.allclose(own[member], leaf.grad, rtol=1e-12, atol=1e-12)
-
-
-def test_adamax_is_the_published_algorithm():
-    rng = np.random.default_rng(2)
-    value, gradient = torch.from_numpy(rng.normal(size=50)), torch.zeros(50, dtype=torch.float64)
-    expected, mean, norm = value.numpy().copy(), np.zeros(50), np.zeros(50)
-    adamax = Adamax(value, gradient)
-    for step in range(1, 30):
-        slope = rng.normal(size=50)
-        gradient.copy_(torch.from_numpy(slope))
-        adamax.step()
-        mean = 0.9 * mean + 0.1 * slope
-        norm = np.maximum(0.999 * norm, abs(slope))
-        expected -= 0.0025 / (1 - 0.9**step) * mean / (norm + 1e-7)
-    assert np.allclose(value.numpy(), expected, rtol=1e-13, atol=1e-13)
 
 
 def reference_training(layers, inputs, targets, steps, generator):
@@ -92,34 +63,42 @@ def reference_training(layers, inputs, targets, steps, generator):
     return [leaf.detach().numpy() for leaf in leaves]
 
 
-def test_members_end_where_a_plain_torch_training_ends():
+def test_members_of_torch_end_where_a_plain_torch_training_ends():
     networks = a_start(3)
     inputs, targets = some_samples(70)  # batches of 32, 32 and 6
-    trained = train(networks, inputs, targets, 20, generators(3))[-1].networks
-    for member, generator in enumerate(generators(3)):
+    trained = train(networks, inputs, targets, 20, seeds(3), trainer="torch")[-1].networks
+    for member, seed in enumerate(seeds(3)):
         layers = [layer[member] for layer in networks.layers]
+        generator = np.random.default_rng(seed)
         expected = reference_training(layers, inputs, targets, 20, generator)
         for own, other, start in zip(trained.layers, expected, layers, strict=True):
             assert np.allclose(own[member], other, rtol=0, atol=1e-6)
             assert not np.allclose(own[member], start, rtol=0, atol=1e-3)
 
 
-def test_together_is_as_each_alone():
+@each_trainer
+def test_together_is_as_each_alone(trainer):
     networks = a_start(5)
     inputs, targets = some_samples(70)
-    together = train(networks, inputs, targets, 30, generators(5))[-1].networks
+    together = train(networks, inputs, targets, 30, seeds(5), trainer=trainer)[-1].networks
     for member in range(5):
         alone = train(
-            networks.member(member), inputs, targets, 30, generators(5)[member : member + 1]
+            networks.member(member),
+            inputs,
+            targets,
+            30,
+            seeds(5)[member : member + 1],
+            trainer=trainer,
         )[-1].networks
         for a, b in zip(together.member(member).layers, alone.layers, strict=True):
             assert np.allclose(a, b, rtol=0, atol=1e-12)
 
 
-def test_the_same_seed_gives_the_same_bits():
+@each_trainer
+def test_the_same_seed_gives_the_same_bits(trainer):
     inputs, targets = some_samples(50)
     runs = [
-        train(a_start(2, np.float32), inputs, targets, 40, generators(2))[-1].networks
+        train(a_start(2, np.float32), inputs, targets, 40, seeds(2), trainer=trainer)[-1].networks
         for _ in range(2)
     ]
     for a, b in zip(runs[0].layers, runs[1].layers, strict=True):
@@ -127,28 +106,41 @@ def test_the_same_seed_gives_the_same_bits():
         assert np.array_equal(a, b)
 
 
-def test_members_see_the_samples_in_orders_of_their_own():
+@each_trainer
+def test_members_see_the_samples_in_orders_of_their_own(trainer):
     start = a_start(1).layers
     twice = Networks(tuple(np.concatenate([layer, layer]) for layer in start))
     inputs, targets = some_samples(50)
-    first, second = (
-        train(twice, inputs, targets, 5, generators(2))[-1].networks.layers[0][index]
-        for index in range(2)
-    )
-    assert not np.allclose(first, second)
+    trained = train(twice, inputs, targets, 5, seeds(2), trainer=trainer)[-1].networks
+    assert not np.allclose(trained.layers[0][0], trained.layers[0][1])
 
 
-def test_training_learns():
+@each_trainer
+def test_training_learns(trainer):
     inputs, _ = some_samples(200)
     targets = 0.5 + 0.3 * np.tanh(inputs[:, :3])
-    checkpoints = train(a_start(2, np.float32), inputs, targets, 1500, generators(2))
+    checkpoints = train(a_start(2, np.float32), inputs, targets, 1500, seeds(2), trainer=trainer)
     assert (checkpoints[-1].loss < 0.1 * checkpoints[0].loss).all()
+    assert not checkpoints[-1].diverged.any()
 
 
-def test_checkpoints_tell_step_seconds_loss_and_weights():
+@each_trainer
+def test_a_member_whose_gradient_overflows_stops_and_the_others_go_on(trainer):
+    networks = glorot_uniform((6, 4, 3), generators(2), np.float32, "exponential")
+    networks.layers[0][1] = 1e4
+    inputs, targets = some_samples(50)
+    end = train(networks, abs(inputs), targets, 20, seeds(2), trainer=trainer)[-1]
+    assert end.diverged.tolist() == [False, True]
+    assert np.array_equal(end.networks.layers[0][1], networks.layers[0][1])
+    assert not np.array_equal(end.networks.layers[0][0], networks.layers[0][0])
+    assert all(np.isfinite(layer).all() for layer in end.networks.layers)
+
+
+@each_trainer
+def test_checkpoints_tell_step_seconds_loss_and_weights(trainer):
     inputs, targets = some_samples(40)
     networks = a_start(2)
-    checkpoints = train(networks, inputs, targets, 100, generators(2))
+    checkpoints = train(networks, inputs, targets, 100, seeds(2), trainer=trainer)
     assert [point.step for point in checkpoints] == checkpoint_steps(100)
     seconds = [point.seconds for point in checkpoints]
     assert seconds == sorted(seconds)
@@ -157,6 +149,17 @@ def test_checkpoints_tell_step_seconds_loss_and_weights():
         residual = point.networks.forward(inputs) - targets
         assert np.allclose(point.loss, abs(residual).mean(axis=(1, 2)))
     assert not np.array_equal(checkpoints[0].networks.layers[0], checkpoints[1].networks.layers[0])
+
+
+@pytest.mark.parametrize(
+    ("trainer", "message"),
+    [("keras", "use fused, torch, cuda"), ("cuda", "finds no GPU here")],
+)
+def test_a_trainer_that_is_not_there(trainer, message):
+    if trainer == "cuda" and torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    with pytest.raises(BadInputError, match=message):
+        make_trainer(a_start(1), *some_samples(8), seeds(1), trainer)
 
 
 @pytest.mark.parametrize("steps", [1, 2, 30, 3500, 103_000])
@@ -176,31 +179,18 @@ def test_progress_ends_with_everything():
     inputs, targets = some_samples(40)
     calls = []
     train(
-        a_start(2),
-        inputs,
-        targets,
-        250,
-        generators(2),
-        lambda done, total: calls.append((done, total)),
+        a_start(2), inputs, targets, 250, seeds(2), lambda done, total: calls.append((done, total))
     )
     assert calls[-1] == (250, 250)
     assert calls == sorted(calls)
-    assert 50 < len(calls) <= 130
+    assert 50 < len(calls) <= 150
 
 
-def test_the_number_of_threads_is_as_before_even_after_a_failure():
+def test_the_number_of_torch_threads_is_as_before():
     before = torch.get_num_threads()
     torch.set_num_threads(2)
-    inputs, targets = some_samples(40)
-    seen = []
-
-    def stop(done, total):
-        seen.append(torch.get_num_threads())
-        raise KeyboardInterrupt
-
     try:
-        with pytest.raises(KeyboardInterrupt):
-            train(a_start(2), inputs, targets, 10, generators(2), stop)
-        assert (seen, torch.get_num_threads()) == ([1], 2)
+        train(a_start(2), *some_samples(40), 10, seeds(2), trainer="torch")
+        assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)
