@@ -59,56 +59,75 @@ def dng_bytes(
     unique_id
         ImageUniqueID, 32 hexadecimal digits.
     """
-    height, width = mosaic.shape
     strip = np.ascontiguousarray(mosaic, "<u2").tobytes()
+    image = [
+        *_plane_fields(mosaic),
+        *_filter_fields(cfa, black, white),
+        *_color_fields(color_matrix, as_shot_neutral, camera_model),
+    ]
     exif = [
         _rationals(33434, [exposure_s]),
         _shorts(34855, [iso]),
         _Field(36864, 7, 4, b"0230"),
         _ascii(42016, unique_id),
     ]
-
-    def image(exif_at: int, strip_at: int) -> list[_Field]:
-        return [
-            _longs(254, [0]),
-            _longs(256, [width]),
-            _longs(257, [height]),
-            _shorts(258, [16]),
-            _shorts(259, [1]),
-            _shorts(262, [32803]),
-            _longs(273, [strip_at]),
-            _shorts(274, [1]),
-            _shorts(277, [1]),
-            _longs(278, [height]),
-            _longs(279, [len(strip)]),
-            _shorts(284, [1]),
-            _shorts(33421, [2, 2]),
-            _bytes(33422, [_CFA_COLORS.index(color) for color in cfa]),
-            _longs(34665, [exif_at]),
-            _bytes(50706, [1, 4, 0, 0]),
-            _bytes(50707, [1, 1, 0, 0]),
-            _ascii(50708, camera_model),
-            _bytes(50710, [0, 1, 2]),
-            _shorts(50711, [1]),
-            _shorts(50713, [1, 1]),
-            _longs(50714, [black]),
-            _longs(50717, [white]),
-            _signed_rationals(50721, np.ravel(color_matrix)),
-            _rationals(50728, np.ravel(as_shot_neutral)),
-            _shorts(50778, [D65]),
-        ]
-
     # the strip comes last, so that a file cut short is short of pixels and of nothing else
-    exif_at = _HEADER.size + len(_directory(image(0, 0), 0))
+    exif_at = _HEADER.size + len(_directory(_placed(image, 0, 0), 0))
     strip_at = exif_at + len(_directory(exif, 0))
     return b"".join(
         [
             _HEADER.pack(b"II", 42, _HEADER.size),
-            _directory(image(exif_at, strip_at), _HEADER.size),
+            _directory(_placed(image, exif_at, strip_at), _HEADER.size),
             _directory(exif, exif_at),
             strip,
         ]
     )
+
+
+def _plane_fields(mosaic: NDArray[np.uint16]) -> list[_Field]:
+    height, width = mosaic.shape
+    return [
+        _longs(254, [0]),
+        _longs(256, [width]),
+        _longs(257, [height]),
+        _shorts(258, [16]),
+        _shorts(259, [1]),
+        _shorts(262, [32803]),
+        _shorts(274, [1]),
+        _shorts(277, [1]),
+        _longs(278, [height]),
+        _longs(279, [mosaic.nbytes]),
+        _shorts(284, [1]),
+    ]
+
+
+def _filter_fields(cfa: str, black: int, white: int) -> list[_Field]:
+    return [
+        _shorts(33421, [2, 2]),
+        _bytes(33422, [_CFA_COLORS.index(color) for color in cfa]),
+        _bytes(50710, [0, 1, 2]),
+        _shorts(50711, [1]),
+        _shorts(50713, [1, 1]),
+        _longs(50714, [black]),
+        _longs(50717, [white]),
+    ]
+
+
+def _color_fields(matrix: ArrayLike, neutral: ArrayLike, model: str) -> list[_Field]:
+    return [
+        _bytes(50706, [1, 4, 0, 0]),
+        _bytes(50707, [1, 1, 0, 0]),
+        _ascii(50708, model),
+        _signed_rationals(50721, np.ravel(matrix)),
+        _rationals(50728, np.ravel(neutral)),
+        _shorts(50778, [D65]),
+    ]
+
+
+def _placed(image: list[_Field], exif_at: int, strip_at: int) -> list[_Field]:
+    """Add where the other parts of the file lie; TIFF wants tags in rising order."""
+    pointers = [_longs(273, [strip_at]), _longs(34665, [exif_at])]
+    return sorted(image + pointers, key=lambda field: field.tag)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -131,13 +132,15 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None) -> None:
 
 def _reduced(session: Session) -> Samples:
     from gonio.cli._console import progress_bar
+    from gonio.files import sha256_file
     from gonio.reduce import reduce_session
 
     began = time.perf_counter()
     with progress_bar("reducing") as progress:
         samples = reduce_session(session, progress=progress)
     session.note_timing("reduce", time.perf_counter() - began)
-    return samples
+    made_from = samples.provenance | {"samples": sha256_file(session.samples_path)}
+    return replace(samples, provenance=made_from)
 
 
 def _fit(recipe: Estimator, samples: Samples, folder: Path) -> float:
