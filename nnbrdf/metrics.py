@@ -1,17 +1,78 @@
-"""How far an estimate is from the truth, on the 81 x 81 grid: eps8 and male."""
+"""How far an estimate is from the truth, on the 81 x 81 grid."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gonio.directions import RINGS_81, paper_directions
 from gonio.errors import BadInputError
+from nnbrdf.difference import check_white, delta_e_2000, expose_sphere, psnr_db
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FLOOR = 0.01
+_HALF_BELT_DEG = 7.5
+
+
+@dataclass(frozen=True)
+class Scores:
+    """All errors of one estimate.
+
+    Attributes
+    ----------
+    eps8, male, cube_root_rmse
+        See the functions of these names.
+    sphere_psnr_db
+        Of two pictures of a sphere (`nnbrdf.difference`), in dB; infinite where they are identical.
+    delta_e_mean, delta_e_95
+        Mean and 95th percentile of CIEDE2000 over the same pictures; None unless asked for.
+    """
+
+    eps8: float
+    male: float
+    cube_root_rmse: float
+    sphere_psnr_db: float
+    delta_e_mean: float | None = None
+    delta_e_95: float | None = None
+
+
+def score(
+    estimate: NDArray[Any], true: NDArray[Any], white: float, *, delta_e: bool = False
+) -> Scores:
+    """Return all errors of a table.
+
+    Parameters
+    ----------
+    estimate, true
+        BRDF in 1/sr, shape (81, 81, 3), [light, view, channel]; linear sRGB.
+    white
+        Exposure scale of the true material, in 1/sr.
+    delta_e
+        Whether to compute color differences, too; ten times as slow.
+
+    Raises
+    ------
+    BadInputError
+        When a shape is another, a number is not finite, or white is not positive.
+    MissingExtraError
+        For `delta_e` without the extra `color`.
+    """
+    estimate, true = _checked(estimate, true, white)
+    pictures = expose_sphere(estimate, white), expose_sphere(true, white)
+    differences = delta_e_2000(*pictures) if delta_e else None
+    return Scores(
+        eps8=eps8(estimate, true, white),
+        male=male(estimate, true, white),
+        cube_root_rmse=cube_root_rmse(estimate, true, white),
+        sphere_psnr_db=psnr_db(*pictures),
+        delta_e_mean=None if differences is None else float(differences.mean()),
+        delta_e_95=None if differences is None else float(np.percentile(differences, 95)),
+    )
 
 
 def eps8(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:
@@ -43,6 +104,30 @@ def male(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:
     return float(male_per_channel(estimate, true, white).mean())
 
 
+def cube_root_rmse(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:
+    """Return the weighted RMS difference of cube roots of f cos(theta_light) / white.
+
+    After Fores, Ferwerda and Gu (2012), who found the cube root of the cosine-weighted BRDF to
+    follow what people see better than the BRDF itself; the division by white rids it of its unit.
+    The mean square is over channels and pairs, each pair weighted by the solid angles of its two
+    directions: their ring's belt, 7.5 deg to either side, shared among its azimuths. Negative
+    values count as 0; highlights count beyond white.
+
+    Parameters
+    ----------
+    estimate, true
+        BRDF in 1/sr, shape (81, 81, channel), [light, view, channel].
+    white
+        Exposure scale of the true material, in 1/sr.
+
+    Raises
+    ------
+    BadInputError
+        When a shape is another, a number is not finite, or white is not positive.
+    """
+    return float(np.sqrt((cube_root_rmse_per_channel(estimate, true, white) ** 2).mean()))
+
+
 def eps8_per_channel(
     estimate: NDArray[Any], true: NDArray[Any], white: float
 ) -> NDArray[np.float64]:
@@ -59,6 +144,30 @@ def male_per_channel(
     estimate, true = _checked(estimate, true, white)
     floor = _FLOOR * white
     return _mean_per_channel(np.log((np.clip(estimate, 0, None) + floor) / (true + floor)))
+
+
+def cube_root_rmse_per_channel(
+    estimate: NDArray[Any], true: NDArray[Any], white: float
+) -> NDArray[np.float64]:
+    """Return `cube_root_rmse` of each channel, shape (channels,)."""
+    estimate, true = _checked(estimate, true, white)
+    if true.ndim != 3 or true.shape[:2] != (81, 81):
+        raise BadInputError(f"the tables have shape {true.shape}, not (81, 81, channels)")
+    cosine = paper_directions()[:, None, None, 2] / white
+    difference = np.cbrt(estimate.clip(0) * cosine) - np.cbrt(true.clip(0) * cosine)
+    solid_angle = _solid_angles()
+    square = np.einsum("l,v,lvc->c", solid_angle, solid_angle, difference**2, optimize=True)
+    root: NDArray[np.float64] = np.sqrt(square) / solid_angle.sum()
+    return root
+
+
+@cache
+def _solid_angles() -> NDArray[np.float64]:
+    """Return the solid angle of each of the 81 directions in sr, out to 82.5 deg."""
+    theta, count = np.array(RINGS_81, np.float64).T
+    inner = np.cos(np.radians(np.maximum(theta - _HALF_BELT_DEG, 0.0)))
+    belt = 2.0 * np.pi * (inner - np.cos(np.radians(theta + _HALF_BELT_DEG)))
+    return np.repeat(belt / count, count.astype(int))
 
 
 def _mean_per_channel(difference: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -78,6 +187,5 @@ def _checked(
     for name, values in (("estimate", estimate), ("truth", true)):
         if not np.isfinite(values).all():
             raise BadInputError(f"the {name} holds values that are not finite; make it again")
-    if not white > 0:
-        raise BadInputError(f"white is {white:g}, not positive; it scales the errors")
+    check_white(white)
     return estimate, true

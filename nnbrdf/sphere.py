@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from gonio.directions import from_degrees, normalize
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
@@ -38,13 +41,42 @@ def shade_sphere(material: Material, size_px: int) -> NDArray[np.float64]:
     ndarray
         Linear RGB, shape (size_px, size_px, 3), before black (see `sphere_cover`).
     """
-    color = np.zeros((size_px, size_px, 3))
+    color = np.zeros((size_px**2, 3))
+    for rays in sphere_rays(size_px):
+        color[rays.pixel] += rays.weight[:, None] * material.evaluate(rays.light, rays.view)
+    return color.reshape(size_px, size_px, 3)
+
+
+@dataclass(frozen=True)
+class Rays:
+    """What one look at the sphere sees of one light: at most one ray a pixel.
+
+    Attributes
+    ----------
+    pixel
+        Where it falls, counted along the rows of the picture, shape (n,).
+    light, view
+        Unit vectors in the frame of the surface it comes from, shape (n, 3) each.
+    weight
+        What to multiply the BRDF by: cosine of incidence, strength of the light and share of the
+        pixel, shape (n,).
+    """
+
+    pixel: NDArray[np.int64]
+    light: NDArray[np.float64]
+    view: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+
+def sphere_rays(size_px: int) -> Iterator[Rays]:
+    """Yield all that the picture of `shade_sphere` is the sum of."""
     places = _places()
     # each place in the pixel sees another place of the softbox: antialiasing and area light in one
     for (x, y), light in zip(places, _softbox(len(places)), strict=True):
         normal, inside = _sphere_normals(size_px, x, y)
-        color[inside] += _shade(material, normal, [(light, 1.0), (_FILL_FROM, _FILL)])
-    return color / len(places)
+        pixel, frame = np.flatnonzero(inside), _surface_frames(normal)
+        yield _rays_of(light, np.pi / len(places), pixel, frame)
+        yield _rays_of(_FILL_FROM, _FILL * np.pi / len(places), pixel, frame)
 
 
 def sphere_cover(size_px: int) -> NDArray[np.float64]:
@@ -87,20 +119,16 @@ def _sphere_normals(size: int, x: float, y: float) -> tuple[NDArray[np.float64],
     return np.stack([right, up, np.sqrt(np.abs(depth))], axis=-1)[inside], inside
 
 
-def _shade(
-    material: Material,
-    normal: NDArray[np.float64],
-    lights: list[tuple[NDArray[np.float64], float]],
-) -> NDArray[np.float64]:
-    """Return linear RGB, shape (n, 3), under lights of given directions and weights."""
-    frame = _surface_frames(normal)
-    color = np.zeros(normal.shape)
-    for direction, weight in lights:
-        light = frame @ direction
-        lit = light[:, 2] > 0
-        value = material.evaluate(light[lit], frame[lit, :, 2])
-        color[lit] += weight * np.pi * light[lit, 2:] * value
-    return color
+def _rays_of(
+    direction: NDArray[np.float64],
+    strength: float,
+    pixel: NDArray[np.int64],
+    frame: NDArray[np.float64],
+) -> Rays:
+    """Return the rays of the pixels that a light reaches, of all those on the sphere."""
+    light = frame @ direction
+    lit = light[:, 2] > 0
+    return Rays(pixel[lit], light[lit], frame[lit, :, 2], strength * light[lit, 2])
 
 
 def _surface_frames(normal: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 """How long one network of the paper takes to train: the kernel, torch, Keras; in one run."""
 
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
@@ -30,7 +31,7 @@ def seconds_per_step(trainer, steps):
 
 def torch_one_by_one(steps):
     layers = []
-    for inputs, outputs in zip(SIZES[:-1], SIZES[1:], strict=True):
+    for inputs, outputs in pairwise(SIZES):
         layers += [torch.nn.Linear(inputs, outputs), torch.nn.Softsign()]
     network = torch.nn.Sequential(*layers[:-1])
     optimizer = torch.optim.Adamax(network.parameters(), lr=RATE)
