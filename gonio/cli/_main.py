@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from importlib import import_module
 
 import click
 
 from gonio import __version__
+from gonio.cli._lazy import LazyGroup
 from gonio.errors import GonioError
 
 # the short helps live here, so that `gonio --help` imports no command
@@ -16,32 +16,15 @@ COMMANDS = {
     "capture": "Measure a plan on the rig, or on its simulated twin; writes session/.",
     "reduce": "Turn a session's raw frames into BRDF samples with sigma.",
     "reconstruct": "Turn a session, or a table of samples, into an NN-BRDF with a report.",
+    "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
 }
 
 
-class LazyGroup(click.Group):
-    """A group whose commands are imported when they are run."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the commands in the order of use."""
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the module of a command."""
-        if cmd_name not in COMMANDS:
-            return None
-        command: click.Command = import_module(f"gonio.cli.{cmd_name}").command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands without importing them."""
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-
 @click.command(
     cls=LazyGroup,
+    commands_of="gonio.cli.",
+    helps=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(__version__, prog_name="gonio")

@@ -1,0 +1,45 @@
+"""A group of commands that imports none of them to list them."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class LazyGroup(click.Group):
+    """A group whose commands are imported when they are run.
+
+    Parameters
+    ----------
+    commands_of
+        What comes before a command's name in its module's name; the module has a `command`.
+    helps
+        One line a command, in the order of use.
+    """
+
+    def __init__(
+        self, *args: Any, commands_of: str, helps: Mapping[str, str], **kwargs: Any
+    ) -> None:
+        super().__init__(*args, **kwargs)
+        self._commands_of, self._helps = commands_of, helps
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in the order of use."""
+        return list(self._helps)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import the module of a command."""
+        if cmd_name not in self._helps:
+            return None
+        command: click.Command = import_module(f"{self._commands_of}{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self._helps.items()))

@@ -1,0 +1,211 @@
+"""What the studies share: materials and subsets in, tables and a page out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from gonio.cli._console import console, duration, progress_bar
+from gonio.errors import BadInputError
+from gonio.files import sha256_bytes
+from nnbrdf.studies.designs import Extent
+from nnbrdf.studies.export import write_outcomes, write_table
+from nnbrdf.studies.job import METRICS
+from nnbrdf.studies.run import run_jobs
+from nnbrdf.studies.tables import tabulate
+from nnbrdf.studies.train import Truth
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from gonio.report.study import Grid, Section
+    from nnbrdf.studies.job import Job, Outcome
+    from nnbrdf.studies.tables import Table
+
+SIXTH = 14
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the options of a study say."""
+
+    truths: dict[str, Truth]
+    subsets: dict[str, NDArray[np.int64]]
+    extent: Extent
+    folder: Path
+
+    def outcomes(self, jobs: Sequence[Job]) -> list[Outcome]:
+        """Carry out what is missing, with a bar on the screen."""
+        with progress_bar("training") as progress:
+            return run_jobs(jobs, self.truths, self.subsets, self.folder, progress)
+
+
+def read_setting(
+    materials: Sequence[str],
+    folder: Path,
+    subsets: str,
+    *,
+    seeds: int,
+    epochs: int,
+    steps: int | None,
+) -> Setting:
+    """Read the materials and lay out the subsets.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        For an unknown material or subset, or a folder that is a file.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise BadInputError(f"{folder} is a file; give a folder for the study")
+    pairs = _subsets(subsets)
+    sizes = {name: len(chosen) for name, chosen in pairs.items()}
+    truths = [_truth(name) for name in materials]
+    return Setting(
+        {truth.name: truth for truth in truths},
+        pairs,
+        Extent(sizes, seeds, epochs, steps),
+        folder,
+    )
+
+
+def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ...]:
+    """Split names at commas; all where there is no text.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        For an unknown name, listing the known.
+    """
+    if text is None:
+        return tuple(known)
+    names = tuple(name.strip() for name in text.split(","))
+    for name in names:
+        if name not in known:
+            raise BadInputError(f"{what} {name!r} is not known; use {', '.join(known)}")
+    return names
+
+
+def networks_in(text: str) -> tuple[tuple[int, ...], ...]:
+    """Read hidden layers as people write them: 15-30-20,3-6-4.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        For anything else, no units, or more layers than the compiled trainer takes.
+    """
+    try:
+        networks = tuple(
+            tuple(int(size) for size in each.split("-"))
+            for each in text.replace(" ", "").split(",")
+        )
+    except ValueError:
+        networks = ()
+    if not networks or any(not 1 <= size <= 512 for hidden in networks for size in hidden):
+        raise BadInputError(
+            f"networks {text!r} are none; write hidden layers of 1 to 512 like 15-30-20,3-6-4"
+        )
+    return networks
+
+
+def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add what every study takes."""
+    options = [
+        click.argument("materials", nargs=-1, required=True),
+        click.option("-o", "--output", type=click.Path(path_type=Path), default=Path("study"),
+                     show_default=True, help="Folder of results; what it holds counts."),
+        click.option("--subsets", default="va-ia,vs-ia,va-is,vs-is", show_default=True,
+                     help="Pairs to train on: v views, i lights, a all, s a sixth."),
+        click.option("--seeds", type=click.IntRange(min=1), default=5, show_default=True,
+                     help="Networks for each case; tables give their median."),
+        click.option("--epochs", type=click.IntRange(min=1), default=500, show_default=True),
+        click.option("--steps", type=click.IntRange(min=1),
+                     help="Train for so many steps instead of epochs."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def write_tables(
+    folder: Path, outcomes: Sequence[Outcome], row_of: Callable[[Job], str]
+) -> dict[str, list[Table]]:
+    """Write results.csv and a CSV a metric; return the tables by metric."""
+    tables = {metric: tabulate(outcomes, metric, row_of) for metric in (*METRICS, "seconds")}
+    write_outcomes(folder / "results.csv", outcomes)
+    for metric, of_metric in tables.items():
+        write_table(folder / f"{metric}.csv", of_metric)
+    return tables
+
+
+def sections_of(tables: dict[str, list[Table]]) -> list[Section]:
+    """Return the page's sections, one a material."""
+    from gonio.report.study import section_of
+
+    return [section_of(of_material) for of_material in zip(*tables.values(), strict=True)]
+
+
+def show_tables(tables: Sequence[Table]) -> None:
+    """Print the tables of one metric."""
+    from gonio.report.study import grid_of
+
+    for table in tables:
+        show_grids(table.material, [grid_of(table)])
+
+
+def show_grids(material: str, grids: Sequence[Grid]) -> None:
+    """Print tables of one material."""
+    from rich.table import Table as Screen
+
+    for grid in grids:
+        screen = Screen(title=f"{material}: {grid.title}", box=None, title_justify="left")
+        for index, name in enumerate(grid.head):
+            wrapped = name.replace(" ", "\n")
+            screen.add_column(wrapped, justify="right" if index else "left", no_wrap=True)
+        for line in grid.lines:
+            screen.add_row(*line.cells, style="bold" if line.best else None)
+        console.print(screen)
+
+
+def show_end(folder: Path, outcomes: Sequence[Outcome], page: Path) -> None:
+    """Say where everything is, and what it took."""
+    seconds = sum(outcome.seconds for outcome in outcomes)
+    console.print(f"{len(outcomes)} trainings, {duration(seconds)} of one core in all")
+    console.print(f"tables: {folder}")
+    console.print(f"page:   {page}")
+
+
+def _truth(name: str) -> Truth:
+    from gonio.directions import paper_directions
+    from gonio.materials import MeasuredTable
+    from sim.materials import load_material
+
+    material = load_material(name)
+    if not isinstance(material, MeasuredTable):
+        grid = paper_directions()
+        material = MeasuredTable.of(material.evaluate(grid[:, None], grid[None]))
+    values = np.ascontiguousarray(material.values, np.float64)
+    digest = sha256_bytes(values.tobytes() + np.float64(material.white).tobytes())
+    return Truth(Path(name).stem, digest, values, float(material.white))
+
+
+def _subsets(names: str) -> dict[str, NDArray[np.int64]]:
+    """Return indices of the flattened grid; a sixth is spread from the pole, alike on both arms."""
+    from gonio.directions import paper_directions
+    from planner.density import PAPER_SUBSETS
+    from planner.subset import farthest_points
+
+    directions = paper_directions()
+    every = np.arange(len(directions))
+    arms = {"all": every, "sixth": farthest_points(directions, SIXTH, start=0)}
+    return {
+        name: (arms[lights][:, None] * len(every) + arms[views][None, :]).ravel()
+        for name in names_in(names, list(PAPER_SUBSETS), "subset")
+        for views, lights in [PAPER_SUBSETS[name]]
+    }

@@ -1,0 +1,70 @@
+"""`gonio study encodings`: what the network is told of a pair of directions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gonio.cli._study import (
+    names_in,
+    networks_in,
+    read_setting,
+    sections_of,
+    show_end,
+    show_tables,
+    study_options,
+    write_tables,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TITLE = "Encodings"
+ABOUT = (
+    "Every encoding on the same pairs, SoftSign. Cells are medians over the seeds; ranks go by the "
+    "mean of the cells."
+)
+
+
+@click.command(name="encodings")
+@study_options
+@click.option("--encodings", help="Names, with commas between.  [default: all six]")
+@click.option("--networks", default="15-30-20,3-6-4", show_default=True, help="Hidden layers.")
+def command(
+    *,
+    materials: tuple[str, ...],
+    output: Path,
+    subsets: str,
+    seeds: int,
+    epochs: int,
+    steps: int | None,
+    encodings: str | None,
+    networks: str,
+) -> None:
+    """Compare encodings of view and light on MATERIALS.
+
+    \b
+    Examples:
+        gonio study encodings wood-veneer
+        gonio study encodings silk.npz --encodings xyz,paper-literal --subsets vs-is
+    """  # noqa: D301
+    from gonio.report.study import write_study
+    from nnbrdf.encoding import ENCODINGS
+    from nnbrdf.studies import designs
+
+    names = names_in(encodings, list(ENCODINGS), "encoding")
+    shapes = networks_in(networks)
+
+    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
+    jobs = [
+        job
+        for truth in setting.truths.values()
+        for job in designs.encodings(truth, setting.extent, names, shapes)
+    ]
+    outcomes = setting.outcomes(jobs)
+    tables = write_tables(output, outcomes, lambda job: job.encoding)
+    page = output / "encodings.html"
+    write_study(page, TITLE, ABOUT, sections_of(tables))
+    show_tables(tables["eps8"])
+    show_end(output, outcomes, page)

@@ -1,0 +1,65 @@
+"""`gonio study topology`: how large a network should be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gonio.cli._study import (
+    networks_in,
+    read_setting,
+    sections_of,
+    show_end,
+    show_tables,
+    study_options,
+    write_tables,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TITLE = "Topology"
+ABOUT = (
+    "Networks of many shapes on the same pairs, SoftSign on unit vectors. Cells are medians over "
+    "the seeds; ranks go by the mean of the cells."
+)
+
+
+@click.command(name="topology")
+@study_options
+@click.option("--networks", help="Hidden layers, 16-16,32-32-32.  [default: fourteen shapes]")
+def command(
+    *,
+    materials: tuple[str, ...],
+    output: Path,
+    subsets: str,
+    seeds: int,
+    epochs: int,
+    steps: int | None,
+    networks: str | None,
+) -> None:
+    """Compare shapes of the network on MATERIALS: error against training time.
+
+    \b
+    Examples:
+        gonio study topology wood-veneer
+        gonio study topology felt.npz --networks 16-16,32-32,64-64 --subsets va-ia,vs-is
+    """  # noqa: D301
+    from gonio.report.study import write_study
+    from nnbrdf.studies import designs
+
+    shapes = networks_in(networks) if networks else designs.TOPOLOGIES
+
+    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
+    jobs = [
+        job
+        for truth in setting.truths.values()
+        for job in designs.topology(truth, setting.extent, shapes)
+    ]
+    outcomes = setting.outcomes(jobs)
+    tables = write_tables(output, outcomes, lambda job: job.network)
+    page = output / "topology.html"
+    write_study(page, TITLE, ABOUT, sections_of(tables))
+    show_tables(tables["eps8"])
+    show_end(output, outcomes, page)

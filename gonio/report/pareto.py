@@ -1,0 +1,125 @@
+"""Error against time: who gives the most for it, with every point labeled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gonio.report.figures import ACCENT, INK, MUTED, label_decades, new_figure
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+_LABEL_PT = 7.0
+_WIDTH_OF_LETTER = 0.56
+_REACH_PT = (5.0, 12.0, 20.0, 30.0, 42.0, 56.0)
+_SIDES = 16
+
+
+@dataclass(frozen=True)
+class Point:
+    """One competitor: its name, its seconds and its error, both above zero."""
+
+    name: str
+    seconds: float
+    error: float
+
+
+def draw_pareto(points: Sequence[Point], error_name: str, time_name: str) -> Figure:
+    """Draw error against time on logarithmic axes; nobody beats those on the line in both.
+
+    Parameters
+    ----------
+    points
+        At least one.
+    error_name, time_name
+        What the axes say.
+    """
+    figure = new_figure(7.2, 4.6)
+    axes = figure.subplots()
+    best = pareto_front(points)
+    seconds, errors = ([getattr(p, field) for p in points] for field in ("seconds", "error"))
+    axes.plot(seconds, errors, "o", color=MUTED, markersize=4)
+    axes.plot([p.seconds for p in best], [p.error for p in best], "o-", color=ACCENT, markersize=5)
+    for axis, values in (("x", seconds), ("y", errors)):
+        _scale(axes, axis, values)
+    axes.set_xlabel(time_name)
+    axes.set_ylabel(error_name)
+    axes.grid(linewidth=0.5)
+    figure.canvas.draw()
+    _label(axes, figure.dpi / 72.0, points, {point.name for point in best})
+    return figure
+
+
+def pareto_front(points: Sequence[Point]) -> list[Point]:
+    """Return the points that no other beats in both time and error, by time."""
+    front: list[Point] = []
+    for point in sorted(points, key=lambda p: (p.seconds, p.error)):
+        if not front or point.error < front[-1].error:
+            front.append(point)
+    return front
+
+
+def _scale(axes: Axes, axis: str, values: Sequence[float]) -> None:
+    low, high = min(values), max(values)
+    # room for the labels
+    margin = max((high / low) ** 0.12, 1.15)
+    if axis == "x":
+        axes.set_xscale("log")
+        axes.set_xlim(low / margin, high * margin)
+        label_decades(axes.xaxis)
+    else:
+        axes.set_yscale("log")
+        axes.set_ylim(low / margin, high * margin)
+        label_decades(axes.yaxis)
+
+
+def _label(axes: Axes, per_pt: float, points: Sequence[Point], best: set[str]) -> None:
+    """Put each name where it covers least: near its point first, farther with a line to it."""
+    at = axes.transData.transform([(p.seconds, p.error) for p in points]) / per_pt
+    inside = np.array(axes.bbox.extents) / per_pt
+    taken = [np.array([x - 3, y - 3, x + 3, y + 3]) for x, y in at]
+    for point, place in zip(points, at, strict=True):
+        offset, box = _free_place(place, point.name, np.array(taken), inside)
+        taken.append(box)
+        far = np.hypot(*offset) > _REACH_PT[1]
+        axes.annotate(
+            point.name, (point.seconds, point.error), xytext=(offset[0], offset[1]),
+            textcoords="offset points", ha="center", va="center", fontsize=_LABEL_PT,
+            color=INK if point.name in best else MUTED,
+            arrowprops={"arrowstyle": "-", "color": MUTED, "linewidth": 0.4} if far else None,
+        )  # fmt: skip
+
+
+def _free_place(
+    place: NDArray[np.float64], name: str, taken: NDArray[np.float64], inside: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the offset of a label's centre from its point, and its box, in points."""
+    half = np.array([0.5 * _WIDTH_OF_LETTER * _LABEL_PT * len(name) + 1, 0.6 * _LABEL_PT])
+    candidates: list[tuple[float, int, Any, Any]] = []
+    for reach in _REACH_PT:
+        for angle in 2.0 * np.pi * np.arange(_SIDES) / _SIDES:
+            side = np.array([np.cos(angle), np.sin(angle)])
+            offset = side * (reach + half * np.abs(side))
+            box = np.concatenate([place + offset - half, place + offset + half])
+            cost = _covered(box, taken) + 3.0 * _outside(box, inside) + reach
+            candidates.append((cost, len(candidates), offset, box))
+    _, _, offset, box = min(candidates, key=lambda each: each[:2])
+    return offset, box
+
+
+def _covered(box: NDArray[np.float64], others: NDArray[np.float64]) -> float:
+    width = np.minimum(box[2], others[:, 2]) - np.maximum(box[0], others[:, 0])
+    height = np.minimum(box[3], others[:, 3]) - np.maximum(box[1], others[:, 1])
+    return float((width.clip(0) * height.clip(0)).sum())
+
+
+def _outside(box: NDArray[np.float64], inside: NDArray[np.float64]) -> float:
+    over = np.concatenate([inside[:2] - box[:2], box[2:] - inside[2:]])
+    return float(100.0 * over.clip(0).sum())

@@ -1,0 +1,1 @@
+"""The paper's experiment, and others like it: many small trainings, compared in one table."""

@@ -1,0 +1,132 @@
+"""Which trainings make up each study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING
+
+from nnbrdf.activations import ACTIVATIONS
+from nnbrdf.encoding import ENCODINGS
+from nnbrdf.studies.job import Job
+from nnbrdf.training import epoch_steps
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from nnbrdf.studies.train import Truth
+
+PAPER_NETWORKS = ((15, 30, 20), (3, 6, 4))
+TOPOLOGIES = (
+    (3, 6, 4), (8,), (16,), (32,), (64,), (8, 8), (16, 16), (32, 32), (15, 30, 20), (16, 16, 16),
+    (32, 32, 32), (64, 64), (48, 48, 48), (16, 16, 16, 16),
+)  # fmt: skip
+WHITE_SCALES = (0.5, 1.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much of a study to carry out.
+
+    Attributes
+    ----------
+    sizes
+        Number of pairs of each subset, by name.
+    seeds
+        How many networks for each case.
+    epochs, steps
+        How long to train; `steps` goes before `epochs` where it is given.
+    """
+
+    sizes: Mapping[str, int]
+    seeds: int = 5
+    epochs: int = 500
+    steps: int | None = None
+
+    def steps_on(self, subset: str) -> int:
+        """Return how many batches a training on a subset takes."""
+        return self.steps or self.epochs * epoch_steps(self.sizes[subset])
+
+
+def activations(
+    truth: Truth,
+    extent: Extent,
+    names: Sequence[str] = tuple(ACTIVATIONS),
+    networks: Sequence[tuple[int, ...]] = PAPER_NETWORKS,
+) -> list[Job]:
+    """Return the paper's table 2: every activation, on both networks and all subsets."""
+    cases = product(names, networks, extent.sizes)
+    return _jobs(
+        extent,
+        [replace(_plain(truth, extent, subset), activation=name, hidden=hidden)
+         for name, hidden, subset in cases],
+    )  # fmt: skip
+
+
+def encodings(
+    truth: Truth,
+    extent: Extent,
+    names: Sequence[str] = tuple(ENCODINGS),
+    networks: Sequence[tuple[int, ...]] = PAPER_NETWORKS,
+) -> list[Job]:
+    """Return every encoding, on both networks and all subsets."""
+    cases = product(names, networks, extent.sizes)
+    return _jobs(
+        extent,
+        [replace(_plain(truth, extent, subset), encoding=name, hidden=hidden)
+         for name, hidden, subset in cases],
+    )  # fmt: skip
+
+
+def topology(
+    truth: Truth, extent: Extent, networks: Sequence[tuple[int, ...]] = TOPOLOGIES
+) -> list[Job]:
+    """Return networks of many shapes."""
+    cases = product(networks, extent.sizes)
+    return _jobs(
+        extent, [replace(_plain(truth, extent, subset), hidden=hidden) for hidden, subset in cases]
+    )
+
+
+def targets(
+    truth: Truth, extent: Extent, names: Sequence[str] = tuple(ACTIVATIONS)
+) -> dict[str, list[Job]]:
+    """Return what the paper leaves unsaid, by the name of the setting.
+
+    Equal epochs or equal steps for all subsets, targets to 1 or to 255, and another white.
+    """
+    most = max(extent.steps_on(subset) for subset in extent.sizes)
+    plain = [
+        replace(_plain(truth, extent, subset), activation=name)
+        for name, subset in product(names, extent.sizes)
+    ]
+    settings = {
+        "as in the recipe": plain,
+        "equal steps": [replace(job, steps=most) for job in plain],
+        "targets to 255": [replace(job, top=255.0) for job in plain],
+        "targets to 255, equal steps": [replace(job, top=255.0, steps=most) for job in plain],
+    } | {
+        f"white x {scale:g}": [replace(job, white_scale=scale) for job in plain]
+        for scale in WHITE_SCALES
+        if scale != 1.0
+    }
+    return {name: _jobs(extent, jobs) for name, jobs in settings.items()}
+
+
+def _plain(truth: Truth, extent: Extent, subset: str) -> Job:
+    return Job(
+        material=truth.name,
+        digest=truth.digest,
+        subset=subset,
+        activation="softsign",
+        encoding="xyz",
+        hidden=PAPER_NETWORKS[0],
+        steps=extent.steps_on(subset),
+        top=1.0,
+        white_scale=1.0,
+        seed=0,
+    )
+
+
+def _jobs(extent: Extent, cases: Sequence[Job]) -> list[Job]:
+    return [replace(case, seed=seed) for case in cases for seed in range(extent.seeds)]

@@ -1,0 +1,61 @@
+"""A study's outcomes and tables as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import TYPE_CHECKING
+
+from gonio.files import write_bytes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from nnbrdf.studies.job import Outcome
+    from nnbrdf.studies.tables import Table
+
+
+def write_outcomes(path: Path, outcomes: Sequence[Outcome]) -> None:
+    """Write one line a training.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    rows = [outcome.row() for outcome in outcomes]
+    _write(path, [list(rows[0]), *(row.values() for row in rows)])
+
+
+def write_table(path: Path, tables: Sequence[Table]) -> None:
+    """Write the tables of one metric, one line a row of each.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = [
+        "material",
+        "name",
+        *tables[0].columns,
+        "mean",
+        "rank",
+        "percent_above_best",
+        "diverged",
+    ]
+    lines = [
+        [table.material, row.name, *row.cells, row.mean, row.rank, row.percent_above_best,
+         row.diverged]
+        for table in tables
+        for row in table.rows
+    ]  # fmt: skip
+    _write(path, [head, *lines])
+
+
+def _write(path: Path, lines: Iterable[Iterable[object]]) -> None:
+    buffer = io.StringIO()
+    # csv writes None as nothing: a training that diverged has no error
+    csv.writer(buffer, lineterminator="\n").writerows(lines)
+    write_bytes(path, buffer.getvalue().encode())

@@ -1,0 +1,75 @@
+"""Carrying out a study: all cores, resumable, the same results on any number of them."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import TYPE_CHECKING
+
+from nnbrdf.cores import cores
+from nnbrdf.studies.store import appending, read_results
+from nnbrdf.studies.train import carry_out
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gonio.protocols import Progress
+    from nnbrdf.studies.job import Job, Outcome
+    from nnbrdf.studies.train import Truth
+
+
+def run_jobs(
+    jobs: Sequence[Job],
+    truths: Mapping[str, Truth],
+    subsets: Mapping[str, NDArray[np.int64]],
+    folder: Path,
+    progress: Progress | None = None,
+) -> list[Outcome]:
+    """Carry out those jobs that the folder has no outcome of.
+
+    Parameters
+    ----------
+    jobs
+        In any order; long ones are begun first, so that no core waits at the end.
+    truths
+        By `Job.material`.
+    subsets
+        By `Job.subset`, indices of the flattened 81 x 81 grid.
+    folder
+        Where `results.jsonl` is or will be; outcomes of other jobs in it stay.
+    progress
+        Called with the steps done, of all jobs.
+
+    Returns
+    -------
+    list of Outcome
+        In the order of the jobs.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When an outcome cannot be written.
+    """
+    known = read_results(folder)
+    wanted = sorted((job for job in jobs if job.key not in known), key=lambda job: -job.steps)
+    total = sum(job.steps for job in jobs)
+    done = total - sum(job.steps for job in wanted)
+    with appending(folder) as append, ThreadPoolExecutor(cores()) as pool:
+        running = {
+            pool.submit(carry_out, job, truths[job.material], subsets): job for job in wanted
+        }
+        try:
+            for future in as_completed(running):
+                outcome = future.result()
+                append(outcome)
+                known[outcome.job.key] = outcome
+                done += outcome.job.steps
+                if progress is not None:
+                    progress(done, total)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return [known[job.key] for job in jobs]

@@ -1,0 +1,79 @@
+"""`results.jsonl`: one line a finished training, so that a study goes on where it was stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from gonio.errors import BadFileError, StorageError
+from nnbrdf.studies.job import Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+RESULTS_NAME = "results.jsonl"
+_REMEDY = "move the file away to begin the study anew"
+
+
+def read_results(folder: Path) -> dict[str, Outcome]:
+    """Return the outcomes of a study's folder by the keys of their jobs.
+
+    A last line that was cut short does not count.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When any other line is no outcome.
+    """
+    path = folder / RESULTS_NAME
+    if not path.exists():
+        return {}
+    try:
+        lines = path.read_text("utf-8").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadFileError(path, f"cannot be read ({error})", _REMEDY) from None
+    outcomes = [_parse(path, number, line) for number, line in enumerate(lines[:-1], start=1)]
+    return {outcome.job.key: outcome for outcome in outcomes}
+
+
+@contextmanager
+def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
+    """Yield what to call with each outcome; a line is on the disk before the call returns.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    path = folder / RESULTS_NAME
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _drop_cut_line(path)
+        with path.open("ab") as file:
+
+            def append(outcome: Outcome) -> None:
+                file.write(json.dumps(outcome.row()).encode() + b"\n")
+                file.flush()
+                os.fsync(file.fileno())
+
+            yield append
+    except OSError as error:
+        raise StorageError.from_os(path, error) from error
+
+
+def _parse(path: Path, number: int, line: str) -> Outcome:
+    try:
+        return Outcome.from_row(json.loads(line))
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise BadFileError(path, f"line {number} is no outcome", _REMEDY) from None
+
+
+def _drop_cut_line(path: Path) -> None:
+    if not path.exists():
+        return
+    with path.open("rb+") as file:
+        content = file.read()
+        file.truncate(content.rfind(b"\n") + 1)

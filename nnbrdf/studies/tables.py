@@ -1,0 +1,153 @@
+"""Outcomes as the paper's tables: a row each, a column a network and subset, a mean, a rank."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass
+from statistics import median
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from nnbrdf.studies.job import Job, Outcome
+
+BIGGER_IS_BETTER = ("sphere_psnr_db",)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a table.
+
+    Attributes
+    ----------
+    name
+        What was varied.
+    cells
+        Median over the seeds, a column each; None where most of them diverged.
+    mean
+        Of the cells; None where a cell is.
+    rank
+        1 is the best; rows with no mean come last and share the last rank.
+    percent_above_best
+        Of the mean; None without one.
+    diverged
+        How many trainings of all.
+    """
+
+    name: str
+    cells: tuple[float | None, ...]
+    mean: float | None
+    rank: int
+    percent_above_best: float | None
+    diverged: int
+
+
+@dataclass(frozen=True)
+class Table:
+    """A metric of one material.
+
+    Attributes
+    ----------
+    material, metric
+        Which.
+    columns
+        Their names.
+    rows
+        In the order they were first met.
+    """
+
+    material: str
+    metric: str
+    columns: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+
+def tabulate(outcomes: Sequence[Outcome], metric: str, row_of: Callable[[Job], str]) -> list[Table]:
+    """Return a table for each material.
+
+    Parameters
+    ----------
+    outcomes
+        Of one study.
+    metric
+        A field of `Outcome`: one of `nnbrdf.studies.job.METRICS`, or `seconds`.
+    row_of
+        What names the row of a job.
+    """
+    groups: dict[str, list[Outcome]] = defaultdict(list)
+    for outcome in outcomes:
+        groups[outcome.job.material].append(outcome)
+    return [_table(material, group, metric, row_of) for material, group in groups.items()]
+
+
+def column_of(job: Job) -> str:
+    """Return the name of a job's column."""
+    return f"{job.network} {job.subset}"
+
+
+def ranking(table: Table) -> list[str]:
+    """Return the names of the rows, best first."""
+    return [row.name for row in sorted(table.rows, key=lambda row: row.rank)]
+
+
+def kendall_tau(first: Sequence[float], second: Sequence[float]) -> float | None:
+    """Return how two rankings of the same things agree, from -1 to 1; None for less than two.
+
+    Kendall's tau-b, which minds ties.
+    """
+    from scipy.stats import kendalltau
+
+    if len(first) < 2:
+        return None
+    tau = float(kendalltau(first, second).statistic)
+    return tau if math.isfinite(tau) else None
+
+
+def _table(
+    material: str, outcomes: Sequence[Outcome], metric: str, row_of: Callable[[Job], str]
+) -> Table:
+    cells: dict[str, dict[str, list[Outcome]]] = defaultdict(lambda: defaultdict(list))
+    for outcome in outcomes:
+        cells[row_of(outcome.job)][_column(outcome.job, row_of)].append(outcome)
+    columns = tuple(dict.fromkeys(column for row in cells.values() for column in row))
+    medians = {
+        name: tuple(_median(row[column], metric) for column in columns)
+        for name, row in cells.items()
+    }
+    means = {name: _mean(values) for name, values in medians.items()}
+    sign = -1.0 if metric in BIGGER_IS_BETTER else 1.0
+    order = sorted(sign * mean for mean in means.values() if mean is not None)
+    rows = [
+        Row(
+            name,
+            medians[name],
+            mean,
+            len(order) + 1 if mean is None else 1 + order.index(sign * mean),
+            _percent(mean, sign * order[0]) if mean is not None else None,
+            sum(outcome.diverged for cell in cells[name].values() for outcome in cell),
+        )
+        for name, mean in means.items()
+    ]
+    return Table(material, metric, columns, tuple(rows))
+
+
+def _column(job: Job, row_of: Callable[[Job], str]) -> str:
+    # where rows are networks, columns are subsets alone
+    return job.subset if row_of(job) == job.network else column_of(job)
+
+
+def _median(outcomes: Sequence[Outcome], metric: str) -> float | None:
+    values = [getattr(outcome, metric) for outcome in outcomes]
+    value = median(math.inf if value is None else value for value in values) if values else math.inf
+    return value if math.isfinite(value) else None
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known and len(known) == len(values) else None
+
+
+def _percent(mean: float, best: float) -> float:
+    return 100.0 * abs(mean - best) / abs(best) if best else 0.0
