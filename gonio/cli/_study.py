@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from nnbrdf.studies.tables import Table
 
 SIXTH = 14
+_WIDEST = 400
 
 
 @dataclass(frozen=True)
@@ -161,6 +162,8 @@ def show_tables(tables: Sequence[Table]) -> None:
 
 def show_grids(material: str, grids: Sequence[Grid]) -> None:
     """Print tables of one material."""
+    from rich.console import Console
+    from rich.measure import Measurement
     from rich.table import Table as Screen
 
     for grid in grids:
@@ -170,7 +173,10 @@ def show_grids(material: str, grids: Sequence[Grid]) -> None:
             screen.add_column(wrapped, justify="right" if index else "left", no_wrap=True)
         for line in grid.lines:
             screen.add_row(*line.cells, style="bold" if line.best else None)
-        console.print(screen)
+        # a narrow terminal wraps the lines of a wide table; it must not cut its cells
+        roomy = console.options.update(max_width=_WIDEST)
+        width = max(console.width, Measurement.get(console, roomy, screen).maximum)
+        Console(width=width, highlight=False).print(screen)
 
 
 def show_end(folder: Path, outcomes: Sequence[Outcome], page: Path) -> None:

@@ -1,0 +1,165 @@
+"""Jobs, their store and their tables; what a training is, test_training says."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gonio.errors import BadFileError
+from nnbrdf.estimators import PaperEstimator
+from nnbrdf.studies import designs, run
+from nnbrdf.studies.job import Job, Outcome
+from nnbrdf.studies.run import run_jobs
+from nnbrdf.studies.store import RESULTS_NAME, appending, read_results
+from nnbrdf.studies.tables import kendall_tau, ranking, tabulate
+from nnbrdf.studies.train import Truth, carry_out
+
+JOB = Job("felt", "ab" * 32, "vs-is", "softsign", "xyz", (4, 3), 20, 1.0, 1.0, 0)
+
+
+def a_truth(top=1.0):
+    values = top * np.random.default_rng(0).random((81, 81, 3))
+    return Truth("felt", "ab" * 32, values, 2.0 * top)
+
+
+SUBSETS = {"vs-is": np.arange(0, 6561, 33), "va-ia": np.arange(0, 6561, 8)}
+EXTENT = designs.Extent({name: len(pairs) for name, pairs in SUBSETS.items()}, seeds=2, epochs=2)
+
+
+def an_outcome(error, seed=0, diverged=False, **changes):
+    job = replace(JOB, seed=seed, **changes)
+    return Outcome(job, 0.5, diverged, eps8=error, sphere_psnr_db=error)
+
+
+def test_the_key_hangs_on_everything():
+    changes = {
+        "material": "silk", "digest": "cd" * 32, "subset": "va-ia", "activation": "tanh",
+        "encoding": "sincos", "hidden": (4, 4), "steps": 21, "top": 255.0, "white_scale": 2.0,
+        "seed": 1,
+    }  # fmt: skip
+    keys = {replace(JOB, **{name: value}).key for name, value in changes.items()}
+    assert len(keys | {JOB.key}) == len(changes) + 1
+    assert replace(JOB).key == JOB.key
+
+
+def test_an_outcome_comes_back_from_its_row():
+    outcome = Outcome(JOB, 0.1, False, 0.2, 3.0, 0.4, 0.5, None)
+    assert Outcome.from_row(json.loads(json.dumps(outcome.row()))) == outcome
+
+
+def test_a_job_trains_the_member_of_the_estimator():
+    from gonio.directions import paper_directions
+    from gonio.samples import Samples
+    from nnbrdf.metrics import eps8
+
+    truth, pairs = a_truth(), SUBSETS["vs-is"]
+    light, view = np.divmod(pairs, 81)
+    directions = paper_directions()
+    samples = Samples.from_values(
+        directions[light], directions[view], truth.values.reshape(-1, 3)[pairs]
+    )
+    model = PaperEstimator(hidden=(4, 3), steps=20).fit(samples)
+    truth = replace(truth, white=samples.white)
+    outcome = carry_out(replace(JOB, seed=1), truth, SUBSETS)
+    grid = model.history.grids(-1)[1]
+    assert outcome.eps8 == pytest.approx(eps8(grid, truth.values, truth.white), rel=1e-6)
+    assert outcome.loss == pytest.approx(model.card.final_losses[1], rel=1e-5)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_results_do_not_hang_on_the_number_of_threads(tmp_path, monkeypatch, threads):
+    monkeypatch.setattr(run, "cores", lambda: threads)
+    jobs = designs.activations(a_truth(), EXTENT, ["gelu", "rrelu"], [(4, 3)])
+    calls = []
+    outcomes = run_jobs(
+        jobs, {"felt": a_truth()}, SUBSETS, tmp_path, lambda *each: calls.append(each)
+    )
+    assert [outcome.job for outcome in outcomes] == jobs
+    alone = [carry_out(job, a_truth(), SUBSETS) for job in jobs]
+    assert [outcome.eps8 for outcome in outcomes] == [outcome.eps8 for outcome in alone]
+    total = sum(job.steps for job in jobs)
+    assert calls[-1] == (total, total)
+
+
+def test_what_is_there_is_not_trained_again(tmp_path, monkeypatch):
+    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    first = run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
+    content = (tmp_path / RESULTS_NAME).read_bytes()
+    (tmp_path / RESULTS_NAME).write_bytes(content[:-20])  # cut in the last line
+    trained = []
+
+    def remember(job, *_):
+        trained.append(job)
+        return replace(first[-1], job=job)
+
+    monkeypatch.setattr(run, "carry_out", remember)
+    again = run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
+    assert len(trained) == 1
+    assert {outcome.job.key for outcome in again} == {job.key for job in jobs}
+
+
+def test_a_line_that_is_no_outcome_is_named(tmp_path):
+    with appending(tmp_path) as append:
+        append(an_outcome(1.0))
+    path = tmp_path / RESULTS_NAME
+    path.write_text('{"a": 1}\n' + path.read_text())
+    with pytest.raises(BadFileError, match="line 1 is no outcome"):
+        read_results(tmp_path)
+
+
+def test_a_training_that_overflows_has_no_errors_and_says_so():
+    job = replace(JOB, activation="exponential", encoding="rusinkiewicz", hidden=(30,) * 6)
+    outcome = carry_out(job, a_truth(), SUBSETS)
+    assert outcome.diverged
+    assert outcome.eps8 is None
+
+
+def test_cells_are_medians_and_ranks_go_by_their_mean():
+    errors = {"a": ([1.0, 2.0, 9.0], [4.0, 4.0, 4.0]), "b": ([2.0, 2.0, 2.0], [2.0, 2.0, 2.0])}
+    outcomes = [
+        an_outcome(error, seed, activation=name, subset=subset)
+        for name, cells in errors.items()
+        for subset, values in zip(("s", "t"), cells, strict=True)
+        for seed, error in enumerate(values)
+    ]
+    (table,) = tabulate(outcomes, "eps8", lambda job: job.activation)
+    assert table.columns == ("4-3 s", "4-3 t")
+    a, b = table.rows
+    assert (a.cells, a.mean, a.rank, a.percent_above_best) == ((2.0, 4.0), 3.0, 2, 50.0)
+    assert (b.cells, b.mean, b.rank, b.percent_above_best) == ((2.0, 2.0), 2.0, 1, 0.0)
+    assert ranking(table) == ["b", "a"]
+    (table,) = tabulate(outcomes, "sphere_psnr_db", lambda job: job.activation)
+    assert ranking(table) == ["a", "b"]  # of decibels, more is better
+
+
+def test_a_cell_stands_unless_most_of_its_trainings_diverged():
+    outcomes = [
+        *[an_outcome(1.0, seed, activation="a") for seed in range(3)],
+        *[an_outcome(None, seed, diverged=seed < 1, activation="b") for seed in range(1)],
+        *[an_outcome(2.0, seed, activation="b") for seed in (1, 2)],
+        *[an_outcome(None, seed, diverged=True, activation="c") for seed in range(2)],
+        an_outcome(3.0, 2, activation="c"),
+    ]
+    (table,) = tabulate(outcomes, "eps8", lambda job: job.activation)
+    a, b, c = table.rows
+    assert (a.mean, a.diverged, b.mean, b.diverged) == (1.0, 0, 2.0, 1)
+    assert (c.cells, c.mean, c.rank, c.diverged) == ((None,), None, 3, 2)
+
+
+def test_kendall_tau():
+    assert kendall_tau([1, 2, 3], [1, 2, 3]) == 1
+    assert kendall_tau([1, 2, 3], [3, 2, 1]) == -1
+    assert kendall_tau([1], [1]) is None
+
+
+def test_designs_are_as_large_as_they_say():
+    paper = designs.Extent({"va-ia": 6561, "vs-ia": 1134, "va-is": 1134, "vs-is": 196})
+    jobs = designs.activations(a_truth(), paper)
+    assert len(jobs) == len({job.key for job in jobs}) == 800
+    steps = {job.subset: job.steps for job in jobs}
+    assert steps == {"va-ia": 103_000, "vs-ia": 18_000, "va-is": 18_000, "vs-is": 3500}
+    settings = designs.targets(a_truth(), paper, ["relu"])
+    assert {job.steps for job in settings["equal steps"]} == {103_000}
+    assert {job.top for job in settings["targets to 255"]} == {255.0}
+    assert {job.white_scale for job in settings["white x 2"]} == {2.0}
