@@ -1,0 +1,54 @@
+"""Diffuse models: bodies that scatter light to all sides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nnbrdf.analytic.base import dot
+from nnbrdf.fitting.family import Family, Parameter
+
+if TYPE_CHECKING:
+    from nnbrdf.fitting.family import Floats, Pairs
+
+
+def lambert_term(pairs: Pairs) -> Floats:
+    """Return 1 / pi, shape (n,)."""
+    return np.full(len(pairs.light), 1.0 / np.pi)
+
+
+def _lambert(pairs: Pairs, shape: Floats) -> Floats:
+    return lambert_term(pairs)[:, None]
+
+
+def _minnaert(pairs: Pairs, shape: Floats) -> Floats:
+    (k,) = shape
+    value = (k + 1.0) / (2.0 * np.pi) * (pairs.light_z * pairs.view_z) ** (k - 1.0)
+    return np.asarray(value)[:, None]
+
+
+def _oren_nayar(pairs: Pairs, shape: Floats) -> Floats:
+    (sigma,) = shape
+    s = dot(pairs.light, pairs.view) - pairs.light_z * pairs.view_z
+    t = np.where(s > 0, np.maximum(pairs.light_z, pairs.view_z), 1.0)
+    scale = 1.0 / (np.pi * (1.0 + (0.5 - 2.0 / (3.0 * np.pi)) * sigma))
+    return np.asarray(scale * (1.0 + sigma * s / t))[:, None]
+
+
+LAMBERT = Family("lambert", "Lambert (1760), Photometria", (), ("diffuse",), _lambert)
+MINNAERT = Family(
+    "minnaert",
+    "Minnaert (1941), The reciprocity principle in lunar photometry",
+    (Parameter("k", "1", 0.5, 3.0),),
+    ("diffuse",),
+    _minnaert,
+    bounded=False,  # for k < 1 it grows without limit at grazing angles
+)
+OREN_NAYAR = Family(
+    "oren-nayar",
+    "Oren and Nayar (1994) in the form of Fujii (2012), whose albedo is bounded",
+    (Parameter("sigma", "1", 0.0, 1.0),),
+    ("diffuse",),
+    _oren_nayar,
+)

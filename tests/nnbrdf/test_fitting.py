@@ -1,0 +1,120 @@
+"""Fitting: what made the samples is found again, and bad samples are refused or survived."""
+
+import numpy as np
+import pytest
+
+from gonio.directions import from_degrees, paper_directions
+from gonio.errors import BadInputError
+from gonio.materials import MeasuredTable
+from gonio.samples import Samples
+from nnbrdf.fitting import MODELS, fit_model
+from nnbrdf.metrics import male
+
+each = pytest.mark.parametrize("name", MODELS)
+COLORS = np.array([[0.3, 0.2, 0.1], [0.4, 0.35, 0.3], [0.1, 0.1, 0.2]])
+
+
+def some_pairs(count, seed=0):
+    rng = np.random.default_rng(seed)
+    theta, phi = rng.uniform(0, 75, (2, count)), rng.uniform(0, 360, (2, count))
+    return from_degrees(theta[0], phi[0]), from_degrees(theta[1], phi[1])
+
+
+def a_material(name):
+    family = MODELS[name]
+    places = {"metalness": 0.3, "C_x": 0.1, "C_y": 0.15, "C_z": 0.8, "phi": 0.3, "sigma": 0.7}
+    places |= {"alpha_x": 0.4, "wide_alpha_x": 0.8, "wide_alpha_y": 0.9, "f0": 0.2}
+    shape = [each.at(places.get(each.name, 0.6)) for each in family.shape]
+    return family.material(np.array(shape), COLORS[: len(family.terms)])
+
+
+@each
+def test_what_made_the_samples_is_found_again(name):
+    material = a_material(name)
+    light, view = some_pairs(300)
+    fit = fit_model(name, Samples.from_values(light, view, material.evaluate(light, view)))
+    light, view = some_pairs(2000, seed=1)
+    truth, found = material.evaluate(light, view), fit.material.evaluate(light, view)
+    assert np.median(abs(found - truth) / truth) < 0.01
+    assert fit.residual < 0.005
+    assert list(fit.shape) == [each.name for each in MODELS[name].shape]
+    assert fit.seconds > 0
+
+
+def test_gross_outliers_do_not_move_it():
+    material = a_material("ggx")
+    light, view = some_pairs(200)
+    values = material.evaluate(light, view)
+    values[:5] *= 100
+    fit = fit_model("ggx", Samples.from_values(light, view, values))
+    truth = material.evaluate(*some_pairs(500, seed=1))
+    found = fit.material.evaluate(*some_pairs(500, seed=1))
+    assert np.median(abs(found - truth) / truth) < 0.03
+
+
+def test_the_same_seed_gives_the_same_fit():
+    light, view = some_pairs(700)
+    samples = Samples.from_values(light, view, a_material("ggx").evaluate(light, view))
+    first, second = (fit_model("ward", samples, seed=3) for _ in range(2))
+    assert first.shape == second.shape
+    assert np.array_equal(first.colors, second.colors)
+
+
+EXTREMES = {
+    "zeros among them": lambda values: values * (np.arange(len(values)) % 2)[:, None],
+    "constant": np.ones_like,
+    "bright": lambda values: values * 1e4,
+    "dark": lambda values: values * 1e-6,
+    "below zero": lambda values: values - 0.02,
+    "one channel": lambda values: values[:, :1],
+}
+
+
+@pytest.mark.parametrize("change", EXTREMES.values(), ids=EXTREMES)
+@pytest.mark.parametrize("name", ["ggx-two-lobes", "lafortune", "strauss", "oren-nayar"])
+def test_extreme_samples(name, change):
+    light, view = some_pairs(60)
+    values = change(a_material("ggx").evaluate(light, view))
+    fit = fit_model(name, Samples.from_values(light, view, values, **channels_of(values)))
+    grid = paper_directions()
+    found = fit.material.evaluate(grid[:, None], grid[None])
+    assert np.isfinite(found).all()
+    assert (found >= 0).all()
+
+
+def channels_of(values):
+    return {"channels": ("y",)} if values.shape[1] == 1 else {}
+
+
+def test_all_at_one_pair_of_directions():
+    up = np.tile([0.0, 0.0, 1.0], (20, 1))
+    fit = fit_model("ggx", Samples.from_values(up, up, np.full((20, 3), 0.2)))
+    assert np.allclose(fit.material.evaluate(up[0], up[0]), 0.2, rtol=0.05)
+
+
+def test_fewer_values_than_parameters():
+    light, view = some_pairs(3)
+    with pytest.raises(BadInputError, match="9 values; model ggx-two-lobes has 15 parameters"):
+        fit_model("ggx-two-lobes", Samples.from_values(light, view, np.ones((3, 3))))
+
+
+def test_values_that_are_not_finite():
+    light, view = some_pairs(20)
+    values = np.ones((20, 3))
+    values[3] = np.nan
+    with pytest.raises(BadInputError):
+        fit_model("ggx", Samples.from_values(light, view, values))
+
+
+@pytest.mark.measured
+def test_a_measured_material(measured):
+    table = MeasuredTable.load(measured / "rgl_satin_rosaline.npz")
+    grid = paper_directions()
+    light, view = np.repeat(grid, 81, axis=0), np.tile(grid, (81, 1))
+    samples = Samples.from_values(light, view, table.values.reshape(-1, 3))
+    found = {}
+    for name in ("lambert", "ggx"):
+        material = fit_model(name, samples).material
+        found[name] = male(material.evaluate(grid[:, None], grid[None]), table.values, table.white)
+    assert found["ggx"] == pytest.approx(0.112, abs=0.005)
+    assert found["lambert"] == pytest.approx(0.204, abs=0.005)
