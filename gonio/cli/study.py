@@ -10,6 +10,7 @@ STUDIES = {
     "activations": "The paper's tables: twenty activations, two networks, four subsets.",
     "encodings": "Six ways to turn two directions into inputs.",
     "topology": "Networks from 35 to 9000 weights: error against training time.",
+    "analytic": "Sixteen models of the literature beside the networks.",
     "targets": "What the paper leaves unsaid: steps, scale of the targets, white.",
 }
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from nnbrdf.studies.analytic import Result
     from nnbrdf.studies.tables import Row, Table
 
 NAMES = {
@@ -108,6 +109,22 @@ def settings_section(material: str, tables: Mapping[str, Table]) -> Section:
     return Section(material, (), (side_by_side, orders))
 
 
+def analytic_section(material: str, results: Sequence[Result]) -> Section:
+    """Return analytic models and networks of one material: a table and two pictures a subset."""
+    drawings, grids = [], []
+    for subset in dict.fromkeys(one.subset for one in results):
+        group = sorted(
+            (one for one in results if one.subset == subset), key=lambda one: one.scores.male
+        )
+        name = f"{_identifier(material)}-{subset}"
+        drawings += [
+            _race(group, f"{name}-fit", "time of the fit (s)", "fit_seconds"),
+            _race(group, f"{name}-million", "time of a million pairs (s)", "million_seconds"),
+        ]
+        grids.append(_race_grid(subset, group))
+    return Section(material, tuple(drawings), tuple(grids))
+
+
 def write_study(target: Path, title: str, about: str, sections: Sequence[Section]) -> None:
     """Write the page, whole or not at all.
 
@@ -127,6 +144,39 @@ def write_study(target: Path, title: str, about: str, sections: Sequence[Section
     content = {"title": title, "about": about, "sections": sections, "versions": versions()}
     page = environment.get_template("study.html").render(content)
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
+
+
+def _race(results: Sequence[Result], name: str, time_name: str, field: str) -> Drawing:
+    points = [Point(one.name, getattr(one, field), one.scores.male) for one in results]
+    title = f"{results[0].subset}: male against the {time_name}"
+    with page_style():
+        svg = inline_svg(draw_pareto(points, "male", time_name), name, title)
+    return Drawing(title, svg, "Nobody beats those on the line in both at once.")
+
+
+def _race_grid(subset: str, results: Sequence[Result]) -> Grid:
+    head = (
+        "",
+        "numbers",
+        "eps8",
+        "male",
+        "cube-root RMSE",
+        "sphere PSNR",
+        "fit (s)",
+        "million (s)",
+    )
+    lines = tuple(
+        Line(
+            (
+                one.name, str(one.numbers), f"{one.scores.eps8:.2f}", f"{one.scores.male:.3f}",
+                f"{one.scores.cube_root_rmse:.4f}", f"{one.scores.sphere_psnr_db:.1f}",
+                f"{one.fit_seconds:.3f}", f"{one.million_seconds:.3f}",
+            ),
+            best=one is results[0],
+        )
+        for one in results
+    )  # fmt: skip
+    return Grid(f"{subset}, best male first", head, lines)
 
 
 def _order_line(name: str, recipe: Table, table: Table) -> Line:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from gonio.files import write_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+    from nnbrdf.studies.analytic import Result
     from nnbrdf.studies.job import Outcome
     from nnbrdf.studies.tables import Table
 
@@ -50,6 +51,25 @@ def write_table(path: Path, tables: Sequence[Table]) -> None:
          row.diverged]
         for table in tables
         for row in table.rows
+    ]  # fmt: skip
+    _write(path, [head, *lines])
+
+
+def write_results(path: Path, results: Mapping[str, Sequence[Result]]) -> None:
+    """Write the results of analytic models by material, one line each.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = ["material", "name", "subset", "numbers", "eps8", "male", "cube_root_rmse",
+            "sphere_psnr_db", "fit_seconds", "million_seconds"]  # fmt: skip
+    lines = [
+        [material, one.name, one.subset, one.numbers, one.scores.eps8, one.scores.male,
+         one.scores.cube_root_rmse, one.scores.sphere_psnr_db, one.fit_seconds, one.million_seconds]
+        for material, group in results.items()
+        for one in group
     ]  # fmt: skip
     _write(path, [head, *lines])
 

@@ -41,6 +41,16 @@ def test_the_other_studies(gonio, tmp_path, name):
     assert len(lines(tmp_path / "out" / "results.csv")) >= 4 * 2
 
 
+def test_analytic(gonio, tmp_path):
+    ran = gonio("study", "analytic", "satin", *QUICK, "--models", "lambert,ggx")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    table = lines(tmp_path / "study" / "analytic.csv")
+    names = ["lambert", "ggx", "network 15-30-20", "network 3-6-4"]
+    assert [row["name"] for row in table] == names
+    assert float(table[1]["male"]) < float(table[0]["male"])
+    assert (tmp_path / "study" / "analytic.html").read_text().count("<svg") == 2
+
+
 def test_what_is_killed_goes_on(gonio, tmp_path):
     command = ("study", "activations", "satin", "--subsets", "vs-is", "--seeds", "3", "--epochs",
                "300", "--activations", "softsign,tanh,gelu,mish,swish,softmax,rrelu")  # fmt: skip
@@ -65,6 +75,7 @@ def test_what_is_killed_goes_on(gonio, tmp_path):
 
 BAD = {
     "activation": (("activations", "satin", "--activations", "silu"), "use linear, sigmoid"),
+    "model": (("analytic", "satin", "--models", "disney"), "use lambert, minnaert"),
     "encoding": (("encodings", "satin", "--encodings", "abc"), "use "),
     "subset": (("activations", "satin", "--subsets", "abc"), "use va-ia, vs-ia, va-is, vs-is"),
     "network": (("topology", "satin", "--networks", "4-x"), "like 15-30-20,3-6-4"),
