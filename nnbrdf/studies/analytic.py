@@ -11,7 +11,6 @@ import numpy as np
 
 from gonio.samples import Samples
 from nnbrdf.ensemble import Ensemble, grid_pairs
-from nnbrdf.estimators import PaperEstimator
 from nnbrdf.fitting import fit_model
 from nnbrdf.metrics import score
 
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
+    from nnbrdf.estimators import PaperEstimator
     from nnbrdf.metrics import Scores
     from nnbrdf.studies.train import Truth
 
