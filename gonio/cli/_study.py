@@ -61,15 +61,20 @@ def read_setting(
     Raises
     ------
     gonio.errors.BadInputError
-        For an unknown material or subset, or a folder that is a file.
+        For an unknown material or subset, two materials of one name, or a folder that is a file.
     """
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder} is a file; give a folder for the study")
     pairs = _subsets(subsets)
     sizes = {name: len(chosen) for name, chosen in pairs.items()}
-    truths = [_truth(name) for name in materials]
+    truths: dict[str, Truth] = {}
+    for name in materials:
+        truth = _truth(name)
+        if truth.name in truths:
+            raise BadInputError(f"two materials are called {truth.name}; rename one, or drop it")
+        truths[truth.name] = truth
     return Setting(
-        {truth.name: truth for truth in truths},
+        truths,
         pairs,
         Extent(sizes, seeds, epochs, steps),
         folder,

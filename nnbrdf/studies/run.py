@@ -54,8 +54,12 @@ def run_jobs(
         When an outcome cannot be written.
     """
     known = read_results(folder)
-    wanted = sorted((job for job in jobs if job.key not in known), key=lambda job: -job.steps)
-    total = sum(job.steps for job in jobs)
+    # settings may share a training: once is enough
+    different = {job.key: job for job in jobs}
+    wanted = sorted(
+        (job for key, job in different.items() if key not in known), key=lambda job: -job.steps
+    )
+    total = sum(job.steps for job in different.values())
     done = total - sum(job.steps for job in wanted)
     with appending(folder) as append, ThreadPoolExecutor(cores()) as pool:
         running = {

@@ -139,8 +139,10 @@ def _column(job: Job, row_of: Callable[[Job], str]) -> str:
 
 
 def _median(outcomes: Sequence[Outcome], metric: str) -> float | None:
+    # what diverged is worse than anything
+    worst = -math.inf if metric in BIGGER_IS_BETTER else math.inf
     values = [getattr(outcome, metric) for outcome in outcomes]
-    value = median(math.inf if value is None else value for value in values) if values else math.inf
+    value = median(worst if value is None else value for value in values) if values else worst
     return value if math.isfinite(value) else None
 
 

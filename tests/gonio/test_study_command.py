@@ -82,6 +82,7 @@ BAD = {
     "no units": (("topology", "satin", "--networks", "4-0"), "like 15-30-20,3-6-4"),
     "material": (("activations", "steel"), "material 'steel' is not known"),
     "file": (("activations", "none.npz"), "none.npz"),
+    "twice": (("activations", "satin", "satin"), "two materials are called satin"),
     "folder": (("activations", "satin", "-o", "taken"), "taken is a file"),
     "study": (("weather", "satin"), "No such command"),
 }

@@ -99,6 +99,18 @@ def test_what_is_there_is_not_trained_again(tmp_path, monkeypatch):
     assert {outcome.job.key for outcome in again} == {job.key for job in jobs}
 
 
+def test_what_two_settings_share_is_trained_once(tmp_path):
+    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    calls = []
+    outcomes = run_jobs(
+        jobs + jobs, {"felt": a_truth()}, SUBSETS, tmp_path, lambda *each: calls.append(each)
+    )
+    assert [outcome.job for outcome in outcomes] == jobs + jobs
+    assert len((tmp_path / RESULTS_NAME).read_text().splitlines()) == len(jobs)
+    total = sum(job.steps for job in jobs)
+    assert calls[-1] == (total, total)
+
+
 def test_a_line_that_is_no_outcome_is_named(tmp_path):
     with appending(tmp_path) as append:
         append(an_outcome(1.0))
@@ -145,6 +157,16 @@ def test_a_cell_stands_unless_most_of_its_trainings_diverged():
     a, b, c = table.rows
     assert (a.mean, a.diverged, b.mean, b.diverged) == (1.0, 0, 2.0, 1)
     assert (c.cells, c.mean, c.rank, c.diverged) == ((None,), None, 3, 2)
+
+
+def test_what_diverged_is_the_worst_in_decibels_too():
+    outcomes = [
+        *[an_outcome(20.0 + seed, seed) for seed in range(3)],
+        *[an_outcome(None, seed, diverged=True) for seed in (3, 4)],
+    ]
+    for metric, cell in {"eps8": 22.0, "sphere_psnr_db": 20.0}.items():
+        (table,) = tabulate(outcomes, metric, lambda job: job.activation)
+        assert table.rows[0].cells == (cell,)
 
 
 def test_kendall_tau():
