@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.report.study import Grid, Section
+    from gonio.report.grids import Grid, Section
     from nnbrdf.studies.job import Job, Outcome
     from nnbrdf.studies.tables import Table
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._study import (
-    Setting,
     names_in,
     read_setting,
     show_end,
@@ -18,15 +17,15 @@ from gonio.cli._study import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from gonio.report.study import Section
-    from nnbrdf.studies.job import Outcome
-    from nnbrdf.studies.train import Truth
+    from nnbrdf.studies.job import Job, Outcome
+    from nnbrdf.studies.settings import Ranked
 
 TITLE = "Steps, targets and white"
 ABOUT = (
     "The paper says neither how many steps a subset gets nor on which scale targets lie. Cells "
     "are eps8: the mean over the subsets of the median over the seeds, network 15-30-20. Kendall's "
-    "tau is 1 where a setting ranks activations as the recipe does, -1 where it turns them over."
+    "tau is 1 where a setting ranks activations as the recipe does, -1 where it turns them over; "
+    "between the even and the odd seeds of one setting it says how much of that is chance."
 )
 
 
@@ -52,38 +51,36 @@ def command(
         gonio study targets wood-veneer --activations softsign,tanh,gelu,relu
         gonio study targets felt.npz silk.npz --subsets va-ia,vs-is --seeds 3
     """  # noqa: D301
+    from gonio.report.settings import settings_section, summary_section
     from gonio.report.study import write_study
     from nnbrdf.activations import ACTIVATIONS
+    from nnbrdf.studies import designs
     from nnbrdf.studies.export import write_outcomes
 
     names = names_in(activations, list(ACTIVATIONS), "activation")
     setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
-    sections: list[Section] = []
-    every: dict[str, Outcome] = {}
-    for truth in setting.truths.values():
-        section, outcomes = _section(setting, truth, names)
-        sections.append(section)
-        every |= {outcome.job.key: outcome for outcome in outcomes}
-    write_outcomes(output / "results.csv", list(every.values()))
+    designed = {
+        name: designs.targets(truth, setting.extent, names)
+        for name, truth in setting.truths.items()
+    }
+    every = (job for by_name in designed.values() for jobs in by_name.values() for job in jobs)
+    outcomes = {outcome.job.key: outcome for outcome in setting.outcomes(list(every))}
+    ranked = {name: _rank(by_name, outcomes) for name, by_name in designed.items()}
+    sections = [settings_section(name, settings) for name, settings in ranked.items()]
+    if len(ranked) > 1:
+        sections.append(summary_section(list(ranked.values())))
+    write_outcomes(output / "results.csv", list(outcomes.values()))
     page = output / "targets.html"
     write_study(page, TITLE, ABOUT, sections)
     for section in sections:
         show_grids(section.title, section.grids)
-    show_end(output, list(every.values()), page)
+    show_end(output, list(outcomes.values()), page)
 
 
-def _section(
-    setting: Setting, truth: Truth, names: tuple[str, ...]
-) -> tuple[Section, list[Outcome]]:
-    from gonio.report.study import settings_section
-    from nnbrdf.studies import designs
-    from nnbrdf.studies.tables import tabulate
+def _rank(designed: dict[str, list[Job]], outcomes: dict[str, Outcome]) -> dict[str, Ranked]:
+    from nnbrdf.studies.settings import rank_setting
 
-    designed = designs.targets(truth, setting.extent, names)
-    done = setting.outcomes([job for jobs in designed.values() for job in jobs])
-    by_key = {outcome.job.key: outcome for outcome in done}
-    tables = {
-        name: tabulate([by_key[job.key] for job in jobs], "eps8", lambda job: job.activation)[0]
+    return {
+        name: rank_setting([outcomes[job.key] for job in jobs], lambda job: job.activation)
         for name, jobs in designed.items()
     }
-    return settings_section(truth.name, tables), done

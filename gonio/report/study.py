@@ -2,61 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
 from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
+from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
 from gonio.report.pareto import Point, draw_pareto
-from nnbrdf.studies.tables import kendall_tau, ranking
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from nnbrdf.studies.analytic import Result
     from nnbrdf.studies.tables import Row, Table
 
-NAMES = {
-    "eps8": "eps8 (8-bit steps)",
-    "male": "male",
-    "cube_root_rmse": "cube-root RMSE",
-    "sphere_psnr_db": "sphere PSNR (dB)",
-    "seconds": "learning time (s, one core)",
-}
-_DIGITS = {"eps8": 2, "male": 3, "cube_root_rmse": 4, "sphere_psnr_db": 1, "seconds": 3}
-
-
-@dataclass(frozen=True)
-class Line:
-    """One row of a grid: its name first."""
-
-    cells: tuple[str, ...]
-    best: bool
-
-
-@dataclass(frozen=True)
-class Grid:
-    """A table, ready for a page or a terminal."""
-
-    title: str
-    head: tuple[str, ...]
-    lines: tuple[Line, ...]
-
-
-@dataclass(frozen=True)
-class Section:
-    """One material."""
-
-    title: str
-    drawings: tuple[Drawing, ...]
-    grids: tuple[Grid, ...]
-
 
 def grid_of(table: Table) -> Grid:
     """Return a table of a study in words, best first."""
-    digits = _DIGITS[table.metric]
+    digits = DIGITS[table.metric]
     head = ("", *table.columns, "mean", "rank", "above best", "diverged")
     lines = tuple(_line(row, digits) for row in sorted(table.rows, key=lambda row: row.rank))
     return Grid(f"{NAMES[table.metric]}: median over the seeds", head, lines)
@@ -79,36 +43,6 @@ def section_of(tables: Sequence[Table]) -> Section:
     )
 
 
-def settings_section(material: str, tables: Mapping[str, Table]) -> Section:
-    """Return what settings do to a ranking: means side by side, and how the orders agree.
-
-    Parameters
-    ----------
-    tables
-        One a setting, of the same rows and metric; the first is what the others are held against.
-    """
-    recipe, *_ = tables.values()
-    digits = _DIGITS[recipe.metric]
-    means = {
-        row.name: [_mean_of(table, row.name) for table in tables.values()] for row in recipe.rows
-    }
-    side_by_side = Grid(
-        f"{NAMES[recipe.metric]}: mean of the subsets",
-        ("", *tables),
-        tuple(
-            Line((name, *(_number(mean, digits) for mean in means[name])), best=name == best)
-            for best in ranking(recipe)[:1]
-            for name in ranking(recipe)
-        ),
-    )
-    orders = Grid(
-        "What it does to the ranking",
-        ("setting", "Kendall's tau", "best", "second", "third", "rank of softsign"),
-        tuple(_order_line(name, recipe, table) for name, table in tables.items()),
-    )
-    return Section(material, (), (side_by_side, orders))
-
-
 def analytic_section(material: str, results: Sequence[Result]) -> Section:
     """Return analytic models and networks of one material: a table and two pictures a subset."""
     drawings, grids = [], []
@@ -116,7 +50,7 @@ def analytic_section(material: str, results: Sequence[Result]) -> Section:
         group = sorted(
             (one for one in results if one.subset == subset), key=lambda one: one.scores.male
         )
-        name = f"{_identifier(material)}-{subset}"
+        name = f"{identifier(material)}-{subset}"
         drawings += [
             _race(group, f"{name}-fit", "time of the fit (s)", "fit_seconds"),
             _race(group, f"{name}-million", "time of a million pairs (s)", "million_seconds"),
@@ -179,31 +113,15 @@ def _race_grid(subset: str, results: Sequence[Result]) -> Grid:
     return Grid(f"{subset}, best male first", head, lines)
 
 
-def _order_line(name: str, recipe: Table, table: Table) -> Line:
-    ranks = {row.name: row.rank for row in table.rows}
-    first, second, third = [*ranking(table), "", ""][:3]
-    tau = kendall_tau([row.rank for row in recipe.rows], [ranks[row.name] for row in recipe.rows])
-    agreement = "" if tau is None else f"{tau:.2f}"
-    return Line((name, agreement, first, second, third, str(ranks.get("softsign", ""))), best=False)
-
-
-def _mean_of(table: Table, name: str) -> float | None:
-    return next(row.mean for row in table.rows if row.name == name)
-
-
 def _line(row: Row, digits: int) -> Line:
     cells = (
         row.name,
-        *(_number(value, digits) for value in (*row.cells, row.mean)),
+        *(number(value, digits) for value in (*row.cells, row.mean)),
         "" if row.mean is None else str(row.rank),
         "" if row.percent_above_best is None else f"{row.percent_above_best:.1f} %",
         str(row.diverged) if row.diverged else "",
     )
     return Line(cells, best=row.rank == 1 and row.mean is not None)
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "diverged" if value is None else f"{value:.{digits}f}"
 
 
 def _pareto(table: Table, times: Table) -> Drawing | None:
@@ -219,12 +137,8 @@ def _pareto(table: Table, times: Table) -> Drawing | None:
     with page_style():
         figure = draw_pareto(points, f"{name}, mean of the columns", "training time (s)")
         title = f"{table.metric} against training time"
-        svg = inline_svg(figure, f"{_identifier(table.material)}-{table.metric}", title)
+        svg = inline_svg(figure, f"{identifier(table.material)}-{table.metric}", title)
     caption = (
         "Each point is a row of the tables below. Nobody beats those on the line in both at once."
     )
     return Drawing(title, svg, caption)
-
-
-def _identifier(name: str) -> str:
-    return "".join(letter if letter.isalnum() else "-" for letter in name)

@@ -41,6 +41,16 @@ def test_the_other_studies(gonio, tmp_path, name):
     assert len(lines(tmp_path / "out" / "results.csv")) >= 4 * 2
 
 
+def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
+    ran = gonio("study", "targets", "satin", "velvet", "--subsets", "vs-is", "--seeds", "2",
+                "--steps", "10", "--activations", "softsign,relu")  # fmt: skip
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert "All materials: mean rank over 2 materials" in ran.stdout
+    page = (tmp_path / "study" / "targets.html").read_text()
+    assert page.count("<svg") == 2
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
 def test_analytic(gonio, tmp_path):
     ran = gonio("study", "analytic", "satin", *QUICK, "--models", "lambert,ggx")
     assert (ran.returncode, ran.stderr) == (0, "")

@@ -11,6 +11,7 @@ from nnbrdf.estimators import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.job import Job, Outcome
 from nnbrdf.studies.run import run_jobs
+from nnbrdf.studies.settings import agreement, mean_ranks, rank_setting
 from nnbrdf.studies.store import RESULTS_NAME, appending, read_results
 from nnbrdf.studies.tables import kendall_tau, ranking, tabulate
 from nnbrdf.studies.train import Truth, carry_out
@@ -173,6 +174,26 @@ def test_kendall_tau():
     assert kendall_tau([1, 2, 3], [1, 2, 3]) == 1
     assert kendall_tau([1, 2, 3], [3, 2, 1]) == -1
     assert kendall_tau([1], [1]) is None
+
+
+def test_a_setting_is_ranked_whole_and_by_halves_of_its_seeds():
+    errors = {"a": [1.0, 5.0, 1.0], "b": [2.0, 4.0, 2.0], "c": [3.0, 3.0, 3.0]}
+    outcomes = [
+        an_outcome(error, seed, activation=name)
+        for name, values in errors.items()
+        for seed, error in enumerate(values)
+    ]
+    ranked = rank_setting(outcomes, lambda job: job.activation)
+    assert ranking(ranked.errors) == ["a", "b", "c"]
+    assert [row.mean for row in ranked.times.rows] == [0.5] * 3
+    assert [ranking(half) for half in ranked.halves] == [["a", "b", "c"], ["c", "b", "a"]]
+    assert agreement(ranked.errors, ranked.halves[0]) == 1.0
+    assert agreement(*ranked.halves) == -1.0
+    assert mean_ranks([ranked.errors, ranked.halves[0], ranked.halves[1]]) == {
+        "a": pytest.approx(5 / 3), "b": 2.0, "c": pytest.approx(7 / 3)
+    }  # fmt: skip
+    alone = [outcome for outcome in outcomes if outcome.job.seed == 0]
+    assert rank_setting(alone, lambda job: job.activation).halves is None
 
 
 def test_designs_are_as_large_as_they_say():

@@ -1,0 +1,98 @@
+"""What settings of a training do to a ranking, as parts of a study's page."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING
+
+from gonio.report.drawings import Drawing
+from gonio.report.figures import inline_svg, page_style
+from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
+from gonio.report.pareto import Point, draw_pareto
+from nnbrdf.studies.settings import agreement, mean_ranks
+from nnbrdf.studies.tables import ranking
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from nnbrdf.studies.settings import Ranked
+    from nnbrdf.studies.tables import Table
+
+
+def settings_section(material: str, settings: Mapping[str, Ranked]) -> Section:
+    """Return one material: means side by side, how the orders agree, and error against time.
+
+    Parameters
+    ----------
+    settings
+        By name, of the same rows and metric; the first is what the others are held against.
+    """
+    drawing = _pareto(material, settings)
+    drawings = () if drawing is None else (drawing,)
+    return Section(material, drawings, (_side_by_side(settings), _orders(settings)))
+
+
+def summary_section(materials: Sequence[Mapping[str, Ranked]]) -> Section:
+    """Return the mean rank over materials, by setting."""
+    names = list(materials[0])
+    ranks = {name: mean_ranks([settings[name].errors for settings in materials]) for name in names}
+    rows = sorted(ranks[names[0]], key=lambda row: ranks[names[0]][row])
+    lines = tuple(
+        Line((row, *(f"{ranks[name][row]:.1f}" for name in names)), best=row == rows[0])
+        for row in rows
+    )
+    title = f"mean rank over {len(materials)} materials"
+    return Section("All materials", (), (Grid(title, ("", *names), lines),))
+
+
+def _side_by_side(settings: Mapping[str, Ranked]) -> Grid:
+    recipe = next(iter(settings.values())).errors
+    digits = DIGITS[recipe.metric]
+    means = [{row.name: row.mean for row in each.errors.rows} for each in settings.values()]
+    order = ranking(recipe)
+    lines = tuple(
+        Line((name, *(number(mean[name], digits) for mean in means)), best=name == order[0])
+        for name in order
+    )
+    return Grid(f"{NAMES[recipe.metric]}: mean of the subsets", ("", *settings), lines)
+
+
+def _orders(settings: Mapping[str, Ranked]) -> Grid:
+    recipe = next(iter(settings.values())).errors
+    head = (
+        "setting", "Kendall's tau to the recipe", "between its own seeds",
+        "best", "second", "third", "rank of softsign",
+    )  # fmt: skip
+    lines = tuple(_order_line(name, recipe, ranked) for name, ranked in settings.items())
+    return Grid("What it does to the ranking", head, lines)
+
+
+def _order_line(name: str, recipe: Table, ranked: Ranked) -> Line:
+    ranks = {row.name: row.rank for row in ranked.errors.rows}
+    first, second, third = [*ranking(ranked.errors), "", ""][:3]
+    tau = agreement(recipe, ranked.errors)
+    own = None if ranked.halves is None else agreement(*ranked.halves)
+    agreements = ("" if each is None else f"{each:.2f}" for each in (tau, own))
+    cells = (name, *agreements, first, second, third, str(ranks.get("softsign", "")))
+    return Line(cells, best=False)
+
+
+def _pareto(material: str, settings: Mapping[str, Ranked]) -> Drawing | None:
+    points = [
+        Point(name, seconds, error)
+        for name, ranked in settings.items()
+        if (seconds := _middle(ranked.times)) and (error := _middle(ranked.errors))
+    ]
+    if not points:
+        return None
+    error_name = f"{NAMES['eps8']}, median of the rows"
+    title = "eps8 against training time"
+    with page_style():
+        figure = draw_pareto(points, error_name, "training time (s)")
+        svg = inline_svg(figure, f"{identifier(material)}-settings", title)
+    return Drawing(title, svg, "Each point is a setting. Nobody beats those on the line in both.")
+
+
+def _middle(table: Table) -> float | None:
+    means = [row.mean for row in table.rows if row.mean is not None]
+    return median(means) if means else None
