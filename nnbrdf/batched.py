@@ -139,6 +139,12 @@ class BatchedTrainer:
         stopped: NDArray[np.bool_] = ~self._active[:, 0].cpu().numpy()
         return stopped
 
+    def gradient_size(self) -> NDArray[np.float64]:
+        """Return the largest component of each member's gradient over all samples, (members,)."""
+        every = torch.arange(len(self._inputs), device=self._device).expand(len(self._value), -1)
+        size: NDArray[np.float64] = self._gradient(every).abs().amax(dim=1).cpu().double().numpy()
+        return size
+
     def _layers(self, value: torch.Tensor) -> list[torch.Tensor]:
         like = self._networks.layers
         ends = [0, *accumulate(layer[0].size for layer in like)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 import numpy as np
@@ -16,7 +16,7 @@ from nnbrdf.studies.designs import Extent
 from nnbrdf.studies.export import write_outcomes, write_table
 from nnbrdf.studies.job import METRICS
 from nnbrdf.studies.run import run_jobs
-from nnbrdf.studies.tables import tabulate
+from nnbrdf.studies.tables import column_of, tabulate
 from nnbrdf.studies.train import Truth
 
 if TYPE_CHECKING:
@@ -140,10 +140,15 @@ def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def write_tables(
-    folder: Path, outcomes: Sequence[Outcome], row_of: Callable[[Job], str]
+    folder: Path,
+    outcomes: Sequence[Outcome],
+    row_of: Callable[[Job], str],
+    column_of: Callable[[Job], str] = column_of,
 ) -> dict[str, list[Table]]:
     """Write results.csv and a CSV a metric; return the tables by metric."""
-    tables = {metric: tabulate(outcomes, metric, row_of) for metric in (*METRICS, "seconds")}
+    tables = {
+        metric: tabulate(outcomes, metric, row_of, column_of) for metric in (*METRICS, "seconds")
+    }
     write_outcomes(folder / "results.csv", outcomes)
     for metric, of_metric in tables.items():
         write_table(folder / f"{metric}.csv", of_metric)
@@ -174,8 +179,8 @@ def show_grids(material: str, grids: Sequence[Grid]) -> None:
     for grid in grids:
         screen = Screen(title=f"{material}: {grid.title}", box=None, title_justify="left")
         for index, name in enumerate(grid.head):
-            wrapped = name.replace(" ", "\n")
-            screen.add_column(wrapped, justify="right" if index else "left", no_wrap=True)
+            justify: Literal["left", "right"] = "right" if index and not grid.words else "left"
+            screen.add_column(name.replace(" ", "\n"), justify=justify, no_wrap=True)
         for line in grid.lines:
             screen.add_row(*line.cells, style="bold" if line.best else None)
         # a narrow terminal wraps the lines of a wide table; it must not cut its cells

@@ -12,6 +12,7 @@ STUDIES = {
     "topology": "Networks from 35 to 9000 weights: error against training time.",
     "analytic": "Sixteen models of the literature beside the networks.",
     "targets": "What the paper leaves unsaid: steps, scale of the targets, white.",
+    "stability": "Stiff and extreme trainings: what happens, measured.",
 }
 
 

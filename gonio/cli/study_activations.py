@@ -63,7 +63,7 @@ def command(
         for job in designs.activations(truth, setting.extent, names, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(output, outcomes, lambda job: job.activation)
+    tables = write_tables(output, outcomes, row_of=lambda job: job.activation)
     page = output / "activations.html"
     write_study(page, TITLE, ABOUT, sections_of(tables))
     show_tables(tables["eps8"])

@@ -63,7 +63,7 @@ def command(
         for job in designs.encodings(truth, setting.extent, names, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(output, outcomes, lambda job: job.encoding)
+    tables = write_tables(output, outcomes, row_of=lambda job: job.encoding)
     page = output / "encodings.html"
     write_study(page, TITLE, ABOUT, sections_of(tables))
     show_tables(tables["eps8"])

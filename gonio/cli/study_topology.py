@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 TITLE = "Topology"
 ABOUT = (
-    "Networks of many shapes on the same pairs, SoftSign on unit vectors. Cells are medians over "
-    "the seeds; ranks go by the mean of the cells."
+    "Networks of many shapes on the same pairs, SoftSign on unit vectors; their weights in "
+    "brackets. Cells are medians over the seeds; ranks go by the mean of the cells."
 )
 
 
@@ -58,7 +58,12 @@ def command(
         for job in designs.topology(truth, setting.extent, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(output, outcomes, lambda job: job.network)
+    tables = write_tables(
+        output,
+        outcomes,
+        row_of=lambda job: f"{job.network} ({job.weights})",
+        column_of=lambda job: job.subset,
+    )
     page = output / "topology.html"
     write_study(page, TITLE, ABOUT, sections_of(tables))
     show_tables(tables["eps8"])

@@ -28,11 +28,12 @@ class Line:
 
 @dataclass(frozen=True)
 class Grid:
-    """A table, ready for a page or a terminal."""
+    """A table, ready for a page or a terminal; of words, not numbers, where it says so."""
 
     title: str
     head: tuple[str, ...]
     lines: tuple[Line, ...]
+    words: bool = False
 
 
 @dataclass(frozen=True)

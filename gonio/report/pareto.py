@@ -41,7 +41,7 @@ def draw_pareto(points: Sequence[Point], error_name: str, time_name: str) -> Fig
     error_name, time_name
         What the axes say.
     """
-    figure = new_figure(7.2, 4.6)
+    figure = new_figure(5.4, 4.0)
     axes = figure.subplots()
     best = pareto_front(points)
     seconds, errors = ([getattr(p, field) for p in points] for field in ("seconds", "error"))

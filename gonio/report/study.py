@@ -9,6 +9,7 @@ from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
 from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
 from gonio.report.pareto import Point, draw_pareto
+from nnbrdf.studies.tables import BIGGER_IS_BETTER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 def grid_of(table: Table) -> Grid:
     """Return a table of a study in words, best first."""
     digits = DIGITS[table.metric]
-    head = ("", *table.columns, "mean", "rank", "above best", "diverged")
+    distance = "below best" if table.metric in BIGGER_IS_BETTER else "above best"
+    head = ("", *table.columns, "mean", "rank", distance, "diverged")
     lines = tuple(_line(row, digits) for row in sorted(table.rows, key=lambda row: row.rank))
     return Grid(f"{NAMES[table.metric]}: median over the seeds", head, lines)
 

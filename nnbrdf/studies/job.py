@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from gonio.files import canonical_json, sha256_bytes
+from nnbrdf.encoding import INPUTS
+from nnbrdf.network import weight_count
 
 METRICS = ("eps8", "male", "cube_root_rmse", "sphere_psnr_db")
 
@@ -52,6 +54,11 @@ class Job:
     def network(self) -> str:
         """Hidden layers as people write them: 15-30-20."""
         return "-".join(str(size) for size in self.hidden)
+
+    @property
+    def weights(self) -> int:
+        """How many weights and biases the network has, for three channels."""
+        return weight_count((INPUTS[self.encoding], *self.hidden, 3))
 
 
 @dataclass(frozen=True)

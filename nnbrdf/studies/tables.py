@@ -64,7 +64,17 @@ class Table:
     rows: tuple[Row, ...]
 
 
-def tabulate(outcomes: Sequence[Outcome], metric: str, row_of: Callable[[Job], str]) -> list[Table]:
+def column_of(job: Job) -> str:
+    """Return the name of a job's column."""
+    return f"{job.network} {job.subset}"
+
+
+def tabulate(
+    outcomes: Sequence[Outcome],
+    metric: str,
+    row_of: Callable[[Job], str],
+    column_of: Callable[[Job], str] = column_of,
+) -> list[Table]:
     """Return a table for each material.
 
     Parameters
@@ -73,18 +83,14 @@ def tabulate(outcomes: Sequence[Outcome], metric: str, row_of: Callable[[Job], s
         Of one study.
     metric
         A field of `Outcome`: one of `nnbrdf.studies.job.METRICS`, or `seconds`.
-    row_of
-        What names the row of a job.
+    row_of, column_of
+        What name the row and the column of a job.
     """
     groups: dict[str, list[Outcome]] = defaultdict(list)
     for outcome in outcomes:
         groups[outcome.job.material].append(outcome)
-    return [_table(material, group, metric, row_of) for material, group in groups.items()]
-
-
-def column_of(job: Job) -> str:
-    """Return the name of a job's column."""
-    return f"{job.network} {job.subset}"
+    names = (row_of, column_of)
+    return [_table(material, group, metric, *names) for material, group in groups.items()]
 
 
 def ranking(table: Table) -> list[str]:
@@ -106,11 +112,15 @@ def kendall_tau(first: Sequence[float], second: Sequence[float]) -> float | None
 
 
 def _table(
-    material: str, outcomes: Sequence[Outcome], metric: str, row_of: Callable[[Job], str]
+    material: str,
+    outcomes: Sequence[Outcome],
+    metric: str,
+    row_of: Callable[[Job], str],
+    column_of: Callable[[Job], str],
 ) -> Table:
     cells: dict[str, dict[str, list[Outcome]]] = defaultdict(lambda: defaultdict(list))
     for outcome in outcomes:
-        cells[row_of(outcome.job)][_column(outcome.job, row_of)].append(outcome)
+        cells[row_of(outcome.job)][column_of(outcome.job)].append(outcome)
     columns = tuple(dict.fromkeys(column for row in cells.values() for column in row))
     medians = {
         name: tuple(_median(row[column], metric) for column in columns)
@@ -131,11 +141,6 @@ def _table(
         for name, mean in means.items()
     ]
     return Table(material, metric, columns, tuple(rows))
-
-
-def _column(job: Job, row_of: Callable[[Job], str]) -> str:
-    # where rows are networks, columns are subsets alone
-    return job.subset if row_of(job) == job.network else column_of(job)
 
 
 def _median(outcomes: Sequence[Outcome], metric: str) -> float | None:

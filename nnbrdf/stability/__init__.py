@@ -1,0 +1,1 @@
+"""Where training is stiff or extreme: what happens, measured."""

@@ -1,0 +1,46 @@
+"""Absolute loss has no limit of stability: the step sets where the loss comes to rest."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nnbrdf.network import glorot_uniform
+from nnbrdf.training import make_trainer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+SEEDS = 5
+
+
+def loss_floor(
+    inputs: NDArray[np.float64],
+    targets: NDArray[np.float64],
+    rates: Sequence[float],
+    steps: int,
+) -> list[float]:
+    """Return the median final loss of five SoftSign networks 15-30-20 for each step size.
+
+    Parameters
+    ----------
+    inputs, targets
+        Shapes (n, inputs) and (n, outputs).
+    rates
+        Step sizes of Adamax.
+    steps
+        How long to train.
+    """
+    sizes = (inputs.shape[1], 15, 30, 20, targets.shape[1])
+    losses = []
+    for rate in rates:
+        generators = [np.random.default_rng(seed) for seed in range(SEEDS)]
+        networks = glorot_uniform(sizes, generators)
+        running = make_trainer(networks, inputs, targets, range(SEEDS), rate=rate)
+        running.run(steps)
+        said = running.predict(inputs).astype(np.float64)
+        losses.append(float(np.median(np.abs(said - targets).mean(axis=(1, 2)))))
+    return losses
