@@ -52,8 +52,8 @@ def draw_pareto(points: Sequence[Point], error_name: str, time_name: str) -> Fig
     axes.set_xlabel(time_name)
     axes.set_ylabel(error_name)
     axes.grid(linewidth=0.5)
-    figure.canvas.draw()
-    _label(axes, figure.dpi / 72.0, points, {point.name for point in best})
+    figure.draw_without_rendering()
+    _label(axes, figure.dpi / 72.0, points, best)
     return figure
 
 
@@ -80,11 +80,15 @@ def _scale(axes: Axes, axis: str, values: Sequence[float]) -> None:
         label_decades(axes.yaxis)
 
 
-def _label(axes: Axes, per_pt: float, points: Sequence[Point], best: set[str]) -> None:
+def _label(axes: Axes, per_pt: float, points: Sequence[Point], best: Sequence[Point]) -> None:
     """Put each name where it covers least: near its point first, farther with a line to it."""
-    at = axes.transData.transform([(p.seconds, p.error) for p in points]) / per_pt
+    at, line = (
+        axes.transData.transform([(p.seconds, p.error) for p in each]) / per_pt
+        for each in (points, best)
+    )
     inside = np.array(axes.bbox.extents) / per_pt
     taken = [np.array([x - 3, y - 3, x + 3, y + 3]) for x, y in at]
+    taken += [np.array([x - 1, y - 1, x + 1, y + 1]) for x, y in _along(line)]
     for point, place in zip(points, at, strict=True):
         offset, box = _free_place(place, point.name, np.array(taken), inside)
         taken.append(box)
@@ -92,9 +96,15 @@ def _label(axes: Axes, per_pt: float, points: Sequence[Point], best: set[str]) -
         axes.annotate(
             point.name, (point.seconds, point.error), xytext=(offset[0], offset[1]),
             textcoords="offset points", ha="center", va="center", fontsize=_LABEL_PT,
-            color=INK if point.name in best else MUTED,
+            color=INK if point in best else MUTED,
             arrowprops={"arrowstyle": "-", "color": MUTED, "linewidth": 0.4} if far else None,
         )  # fmt: skip
+
+
+def _along(line: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points of a polyline, so close that no letter fits in between."""
+    steps = np.linspace(0.0, 1.0, 100)[:, None, None]
+    return (line[:-1] + steps * np.diff(line, axis=0)).reshape(-1, 2)
 
 
 def _free_place(

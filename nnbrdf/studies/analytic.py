@@ -62,6 +62,10 @@ def samples_of(truth: Truth, pairs: NDArray[np.int64]) -> Samples:
 
 def compare_model(name: str, truth: Truth, subset: str, pairs: NDArray[np.int64]) -> Result:
     """Fit a model of `nnbrdf.fitting` and judge it."""
+    # else the first fit would be charged for the import
+    import scipy.optimize
+    import scipy.stats  # noqa: F401
+
     fit = fit_model(name, samples_of(truth, pairs))
     numbers = len(fit.shape) + fit.colors.size
     return _result(name, truth, subset, numbers, fit.material, fit.seconds)
