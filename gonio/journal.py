@@ -96,6 +96,8 @@ class Journal:
     ------
     BadFileError
         When it is missing though it must exist, or is no journal.
+    StorageError
+        When the operating system refuses, as on a full disk.
     """
 
     def __init__(self, path: Path, *, must_exist: bool = False) -> None:
@@ -107,6 +109,12 @@ class Journal:
             self._connection.execute("PRAGMA journal_mode = WAL")
             self._connection.execute("PRAGMA synchronous = FULL")
             self._connection.execute(_TABLE)
+        except sqlite3.OperationalError as error:
+            # of SQLite's errors the one for what the operating system refused, a full disk first
+            raise StorageError(
+                f"{path}: cannot be opened ({error}); check the disk's free space, the folder and "
+                "its permissions"
+            ) from None
         except sqlite3.DatabaseError as error:
             raise BadFileError(path, f"is not a journal ({error})", _REMEDY) from None
 
