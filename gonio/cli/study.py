@@ -9,7 +9,7 @@ from gonio.cli._lazy import LazyGroup
 STUDIES = {
     "activations": "The paper's tables: twenty activations, two networks, four subsets.",
     "encodings": "Six ways to turn two directions into inputs.",
-    "topology": "Networks from 35 to 9000 weights: error against training time.",
+    "topology": "Networks from 83 to 5187 weights: error against training time.",
     "analytic": "Sixteen models of the literature beside the networks.",
     "targets": "What the paper leaves unsaid: steps, scale of the targets, white.",
     "stability": "Stiff and extreme trainings: what happens, measured.",
@@ -20,9 +20,9 @@ STUDIES = {
 def command() -> None:
     """Train many networks on a known material, and compare them in tables and a page.
 
-    MATERIAL is a name of gonio materials, or an .npz table; several give a section each. Every
-    finished training is kept: the same command goes on where it was stopped, and a longer one
-    uses what is there.
+    MATERIAL is a name of gonio materials, or an .npz table; several give a section each. Of
+    the long studies every finished training is kept: the same command goes on where it was
+    stopped, and a longer one uses what is there.
 
     \b
     Examples:
