@@ -24,9 +24,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.report.grids import Grid, Section
+    from gonio.report.grids import Grid
     from nnbrdf.studies.job import Job, Outcome
-    from nnbrdf.studies.tables import Table
 
 SIXTH = 14
 _WIDEST = 400
@@ -139,35 +138,31 @@ def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def write_tables(
-    folder: Path,
+def conclude(
+    page: Path,
+    title: str,
+    about: str,
     outcomes: Sequence[Outcome],
     row_of: Callable[[Job], str],
     column_of: Callable[[Job], str] = column_of,
-) -> dict[str, list[Table]]:
-    """Write results.csv and a CSV a metric; return the tables by metric."""
+) -> None:
+    """Write the CSV files of a study beside its page, and the page; print eps8, and the ranks."""
+    from gonio.report.study import grid_of, section_of, summary_section, write_study
+
     tables = {
         metric: tabulate(outcomes, metric, row_of, column_of) for metric in (*METRICS, "seconds")
     }
-    write_outcomes(folder / "results.csv", outcomes)
+    sections = [section_of(of_material) for of_material in zip(*tables.values(), strict=True)]
+    summary = [summary_section(tables)] if len(sections) > 1 else []
+    write_outcomes(page.parent / "results.csv", outcomes)
     for metric, of_metric in tables.items():
-        write_table(folder / f"{metric}.csv", of_metric)
-    return tables
-
-
-def sections_of(tables: dict[str, list[Table]]) -> list[Section]:
-    """Return the page's sections, one a material."""
-    from gonio.report.study import section_of
-
-    return [section_of(of_material) for of_material in zip(*tables.values(), strict=True)]
-
-
-def show_tables(tables: Sequence[Table]) -> None:
-    """Print the tables of one metric."""
-    from gonio.report.study import grid_of
-
-    for table in tables:
+        write_table(page.parent / f"{metric}.csv", of_metric)
+    write_study(page, title, about, [*sections, *summary])
+    for table in tables["eps8"]:
         show_grids(table.material, [grid_of(table)])
+    for section in summary:
+        show_grids(section.title, section.grids)
+    show_end(page, outcomes)
 
 
 def show_grids(material: str, grids: Sequence[Grid]) -> None:
@@ -189,11 +184,11 @@ def show_grids(material: str, grids: Sequence[Grid]) -> None:
         Console(width=width, highlight=False).print(screen)
 
 
-def show_end(folder: Path, outcomes: Sequence[Outcome], page: Path) -> None:
+def show_end(page: Path, outcomes: Sequence[Outcome]) -> None:
     """Say where everything is, and what it took."""
     seconds = sum(outcome.seconds for outcome in outcomes)
     console.print(f"{len(outcomes)} trainings, {duration(seconds)} of one core in all")
-    console.print(f"tables: {folder}")
+    console.print(f"tables: {page.parent}")
     console.print(f"page:   {page}")
 
 

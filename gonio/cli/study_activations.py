@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._study import (
+    conclude,
     names_in,
     networks_in,
     read_setting,
-    sections_of,
-    show_end,
-    show_tables,
     study_options,
-    write_tables,
 )
 
 if TYPE_CHECKING:
@@ -49,7 +46,6 @@ def command(
         gonio study activations wood-veneer
         gonio study activations felt.npz silk.npz --activations softsign,tanh,gelu
     """  # noqa: D301
-    from gonio.report.study import write_study
     from nnbrdf.activations import ACTIVATIONS
     from nnbrdf.studies import designs
 
@@ -63,8 +59,4 @@ def command(
         for job in designs.activations(truth, setting.extent, names, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(output, outcomes, row_of=lambda job: job.activation)
-    page = output / "activations.html"
-    write_study(page, TITLE, ABOUT, sections_of(tables))
-    show_tables(tables["eps8"])
-    show_end(output, outcomes, page)
+    conclude(output / "activations.html", TITLE, ABOUT, outcomes, lambda job: job.activation)

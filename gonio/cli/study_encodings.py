@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._study import (
+    conclude,
     names_in,
     networks_in,
     read_setting,
-    sections_of,
-    show_end,
-    show_tables,
     study_options,
-    write_tables,
 )
 
 if TYPE_CHECKING:
@@ -49,7 +46,6 @@ def command(
         gonio study encodings wood-veneer
         gonio study encodings silk.npz --encodings xyz,paper-literal --subsets vs-is
     """  # noqa: D301
-    from gonio.report.study import write_study
     from nnbrdf.encoding import ENCODINGS
     from nnbrdf.studies import designs
 
@@ -63,8 +59,4 @@ def command(
         for job in designs.encodings(truth, setting.extent, names, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(output, outcomes, row_of=lambda job: job.encoding)
-    page = output / "encodings.html"
-    write_study(page, TITLE, ABOUT, sections_of(tables))
-    show_tables(tables["eps8"])
-    show_end(output, outcomes, page)
+    conclude(output / "encodings.html", TITLE, ABOUT, outcomes, lambda job: job.encoding)

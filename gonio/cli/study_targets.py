@@ -51,8 +51,8 @@ def command(
         gonio study targets wood-veneer --activations softsign,tanh,gelu,relu
         gonio study targets felt.npz silk.npz --subsets va-ia,vs-is --seeds 3
     """  # noqa: D301
-    from gonio.report.settings import settings_section, summary_section
-    from gonio.report.study import write_study
+    from gonio.report.settings import settings_section
+    from gonio.report.study import summary_section, write_study
     from nnbrdf.activations import ACTIVATIONS
     from nnbrdf.studies import designs
     from nnbrdf.studies.export import write_outcomes
@@ -68,13 +68,17 @@ def command(
     ranked = {name: _rank(by_name, outcomes) for name, by_name in designed.items()}
     sections = [settings_section(name, settings) for name, settings in ranked.items()]
     if len(ranked) > 1:
-        sections.append(summary_section(list(ranked.values())))
+        errors = {
+            name: [settings[name].errors for settings in ranked.values()]
+            for name in next(iter(ranked.values()))
+        }
+        sections.append(summary_section(errors))
     write_outcomes(output / "results.csv", list(outcomes.values()))
     page = output / "targets.html"
     write_study(page, TITLE, ABOUT, sections)
     for section in sections:
         show_grids(section.title, section.grids)
-    show_end(output, list(outcomes.values()), page)
+    show_end(page, list(outcomes.values()))
 
 
 def _rank(designed: dict[str, list[Job]], outcomes: dict[str, Outcome]) -> dict[str, Ranked]:

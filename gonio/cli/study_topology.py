@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._study import (
+    conclude,
     networks_in,
     read_setting,
-    sections_of,
-    show_end,
-    show_tables,
     study_options,
-    write_tables,
 )
 
 if TYPE_CHECKING:
@@ -46,7 +43,6 @@ def command(
         gonio study topology wood-veneer
         gonio study topology felt.npz --networks 16-16,32-32,64-64 --subsets va-ia,vs-is
     """  # noqa: D301
-    from gonio.report.study import write_study
     from nnbrdf.studies import designs
 
     shapes = networks_in(networks) if networks else designs.TOPOLOGIES
@@ -58,13 +54,11 @@ def command(
         for job in designs.topology(truth, setting.extent, shapes)
     ]
     outcomes = setting.outcomes(jobs)
-    tables = write_tables(
-        output,
+    conclude(
+        output / "topology.html",
+        TITLE,
+        ABOUT,
         outcomes,
         row_of=lambda job: f"{job.network} ({job.weights})",
         column_of=lambda job: job.subset,
     )
-    page = output / "topology.html"
-    write_study(page, TITLE, ABOUT, sections_of(tables))
-    show_tables(tables["eps8"])
-    show_end(output, outcomes, page)

@@ -9,11 +9,11 @@ from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
 from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
 from gonio.report.pareto import Point, draw_pareto
-from nnbrdf.studies.settings import agreement, mean_ranks
+from nnbrdf.studies.settings import agreement
 from nnbrdf.studies.tables import ranking
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from nnbrdf.studies.settings import Ranked
     from nnbrdf.studies.tables import Table
@@ -30,19 +30,6 @@ def settings_section(material: str, settings: Mapping[str, Ranked]) -> Section:
     drawing = _pareto(material, settings)
     drawings = () if drawing is None else (drawing,)
     return Section(material, drawings, (_side_by_side(settings), _orders(settings)))
-
-
-def summary_section(materials: Sequence[Mapping[str, Ranked]]) -> Section:
-    """Return the mean rank over materials, by setting."""
-    names = list(materials[0])
-    ranks = {name: mean_ranks([settings[name].errors for settings in materials]) for name in names}
-    rows = sorted(ranks[names[0]], key=lambda row: ranks[names[0]][row])
-    lines = tuple(
-        Line((row, *(f"{ranks[name][row]:.1f}" for name in names)), best=row == rows[0])
-        for row in rows
-    )
-    title = f"mean rank over {len(materials)} materials"
-    return Section("All materials", (), (Grid(title, ("", *names), lines),))
 
 
 def _side_by_side(settings: Mapping[str, Ranked]) -> Grid:

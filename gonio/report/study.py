@@ -9,10 +9,10 @@ from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
 from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
 from gonio.report.pareto import Point, draw_pareto
-from nnbrdf.studies.tables import BIGGER_IS_BETTER
+from nnbrdf.studies.tables import BIGGER_IS_BETTER, mean_ranks
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from nnbrdf.studies.analytic import Result
@@ -59,6 +59,27 @@ def analytic_section(material: str, results: Sequence[Result]) -> Section:
         ]
         grids.append(_race_grid(subset, group))
     return Section(material, tuple(drawings), tuple(grids))
+
+
+def summary_section(columns: Mapping[str, Sequence[Table]]) -> Section:
+    """Return the mean rank of each row over several materials.
+
+    Parameters
+    ----------
+    columns
+        Tables by the name of their column, one a material, all of the same rows; lines go by
+        the first.
+    """
+    ranks = {name: mean_ranks(tables) for name, tables in columns.items()}
+    first, *_ = ranks.values()
+    rows = sorted(first, key=lambda row: first[row])
+    lines = tuple(
+        Line((row, *(f"{each[row]:.1f}" for each in ranks.values())), best=row == rows[0])
+        for row in rows
+    )
+    materials = len(next(iter(columns.values())))
+    grid = Grid(f"mean rank over {materials} materials", ("", *columns), lines)
+    return Section("All materials", (), (grid,))
 
 
 def write_study(target: Path, title: str, about: str, sections: Sequence[Section]) -> None:

@@ -56,9 +56,3 @@ def agreement(first: Table, second: Table) -> float | None:
     """Return Kendall's tau between the ranks of two tables of the same rows."""
     ranks = {row.name: row.rank for row in second.rows}
     return kendall_tau([row.rank for row in first.rows], [ranks[row.name] for row in first.rows])
-
-
-def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
-    """Return the mean rank of each row over several tables of the same rows."""
-    ranks = [{row.name: row.rank for row in table.rows} for table in tables]
-    return {name: sum(each[name] for each in ranks) / len(ranks) for name in ranks[0]}

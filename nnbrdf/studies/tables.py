@@ -98,6 +98,12 @@ def ranking(table: Table) -> list[str]:
     return [row.name for row in sorted(table.rows, key=lambda row: row.rank)]
 
 
+def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
+    """Return the mean rank of each row over several tables of the same rows."""
+    ranks = [{row.name: row.rank for row in table.rows} for table in tables]
+    return {name: sum(each[name] for each in ranks) / len(ranks) for name in ranks[0]}
+
+
 def kendall_tau(first: Sequence[float], second: Sequence[float]) -> float | None:
     """Return how two rankings of the same things agree, from -1 to 1; None for less than two.
 

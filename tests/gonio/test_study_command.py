@@ -22,6 +22,7 @@ def test_activations(gonio, tmp_path):
     assert (ran.returncode, ran.stderr) == (0, "")
     assert "satin: eps8" in ran.stdout
     assert "matte-paint: eps8" in ran.stdout
+    assert "All materials: mean rank over 2 materials" in ran.stdout
     trainings = lines(tmp_path / "study" / "results.csv")
     assert len(trainings) == 2 * 2 * 2
     table = lines(tmp_path / "study" / "eps8.csv")

@@ -11,9 +11,9 @@ from nnbrdf.estimators import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.job import Job, Outcome
 from nnbrdf.studies.run import run_jobs
-from nnbrdf.studies.settings import agreement, mean_ranks, rank_setting
+from nnbrdf.studies.settings import agreement, rank_setting
 from nnbrdf.studies.store import RESULTS_NAME, appending, read_results
-from nnbrdf.studies.tables import kendall_tau, ranking, tabulate
+from nnbrdf.studies.tables import kendall_tau, mean_ranks, ranking, tabulate
 from nnbrdf.studies.train import Truth, carry_out
 
 JOB = Job("felt", "ab" * 32, "vs-is", "softsign", "xyz", (4, 3), 20, 1.0, 1.0, 0)
