@@ -142,6 +142,9 @@ class Journal:
             When it cannot be written (disk full).
         """
         row = (clock.now(), clock.utc().isoformat(), kind, json.dumps(data, sort_keys=True))
+        self._insert(row)
+
+    def _insert(self, row: tuple[float, str, str, str]) -> None:
         try:
             self._connection.execute(
                 "INSERT INTO event (at_s, utc, kind, data) VALUES (?, ?, ?, ?)", row
@@ -150,6 +153,14 @@ class Journal:
             raise StorageError(
                 f"{self.path}: cannot be written ({error}); free some space and resume"
             ) from error
+
+    def reject(self, file: str, problem: str) -> None:
+        """Note that a frame is of no use, so that a resume takes it again (errors as `append`)."""
+        # no clock runs after the capture: the note is as old as the last event
+        last = max(self.events(), key=lambda event: event.id)
+        self._insert(
+            (last.at_s, last.utc, "rejected", json.dumps({"file": file, "problem": problem}))
+        )
 
     def append_frame(self, clock: Clock, frame: FrameRecord) -> None:
         """Add a frame whose file is already synced (errors as for `append`)."""
@@ -176,3 +187,7 @@ class Journal:
         """Return the frames recorded so far, in order (errors as for `events`)."""
         events = self.events("frame")
         return [check(FrameRecord, event.data, self.path, _REMEDY) for event in events]
+
+    def rejected(self) -> set[str]:
+        """Return the files of the frames that are of no use (errors as for `events`)."""
+        return {str(event.data["file"]) for event in self.events("rejected")}

@@ -15,11 +15,10 @@ from gonio.files import write_with
 from gonio.samples import WHITE_PER_MEDIAN
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from gonio.protocols import Material
     from gonio.rig import Rig
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _REMEDY = "expected: npz with values (81, 81, 3), light first, linear RGB in 1/sr"
 _RIM = np.radians(75.0)
@@ -60,14 +59,18 @@ class MeasuredTable:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 values = np.asarray(arrays["values"]).astype(np.float64, casting="same_kind")
                 white = float(arrays["white"]) if "white" in arrays else None
+                directions = arrays.get("directions")
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
         except KeyError as error:
             raise BadFileError(path, f"lacks an array ({error.args[0]})", _REMEDY) from None
         except Exception as error:  # zipfile, zlib and numpy's header parser raise a dozen kinds
-            raise BadFileError(path, f"is not a table ({error})", _REMEDY) from None
+            problem = f"is not a table ({type(error).__name__})"
+            raise BadFileError(path, problem, _REMEDY) from None
         if values.shape != (81, 81, 3):
             raise BadFileError(path, f"values has shape {values.shape}", _REMEDY)
+        if directions is not None and not _are_the_grid(directions):
+            raise BadFileError(path, "directions are not the 81 in their order", _REMEDY)
         if not (np.isfinite(values).all() and (values >= 0).all()):
             raise BadFileError(path, "values holds negative or non-finite numbers", _REMEDY)
         table = cls.of(values) if white is None else cls(values, white)
@@ -180,6 +183,11 @@ class SphericalMesh:
         centre = normalize(direction.mean(axis=0))
         reach = _angle(direction, centre).max() + 1e-6
         return np.flatnonzero(_angle(self._centre, centre) <= self._radius + reach)
+
+
+def _are_the_grid(directions: NDArray[np.float64]) -> bool:
+    grid = paper_directions()
+    return directions.shape == grid.shape and bool(np.allclose(directions, grid, atol=1e-5))
 
 
 def _angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -48,6 +48,14 @@ class Shot(Document):
                 )
         return self
 
+    @model_validator(mode="after")
+    def _nothing_twice(self) -> Shot:
+        if len(set(self.exposures_s)) < len(self.exposures_s):
+            raise ValueError("exposures_s holds one exposure twice, which would count it twice")
+        if len({lamp.n for lamp in self.lamps}) < len(self.lamps):
+            raise ValueError("lamps names one lamp twice")
+        return self
+
     def axis_deg(self, axis: str) -> float:
         """Return the angle of an axis, by its name in the rig file, in degrees."""
         angle: float = getattr(self, f"{axis}_deg")

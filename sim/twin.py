@@ -19,6 +19,7 @@ from sim.tether import Scene, Tether
 from sim.vibration import Vibration
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from gonio.clock import VirtualClock
@@ -43,6 +44,9 @@ class Twin:
         Where frames appear.
     seed
         Of where the arms stand at power-up and how long files take.
+    taken
+        How many frames of the reference were taken before power-up, by whether it was lit and by
+        exposure in us: repeats of one scene go on with new noise.
 
     Attributes
     ----------
@@ -57,12 +61,19 @@ class Twin:
     """
 
     def __init__(
-        self, rig: Rig, camera: Camera, clock: VirtualClock, folder: Path, seed: int
+        self,
+        rig: Rig,
+        camera: Camera,
+        clock: VirtualClock,
+        folder: Path,
+        seed: int,
+        taken: Mapping[tuple[bool, int], int] | None = None,
     ) -> None:
         random = np.random.default_rng(seed)
         self.holder: Holder = "sample"
         self._clock = clock
         self._used: Counter[str] = Counter()
+        self._taken = taken or {}
         vibrations = {"view": Vibration(), "light": Vibration()}
         self.drives = {
             name: _powered_up(
@@ -104,9 +115,9 @@ class Twin:
         targets = ",".join(str(drive.target) for drive in self.drives.values())
         what = f"{self.holder}|{targets}|{exposure_us}|{lit}"
         self._used[what] += 1
-        return Scene(
-            self.holder, self.pose("view"), self.pose("light"), f"{what}|{self._used[what]}"
-        )
+        before = self._taken.get((bool(lit), exposure_us), 0) if self.holder == "reference" else 0
+        number = self._used[what] + before
+        return Scene(self.holder, self.pose("view"), self.pose("light"), f"{what}|{number}")
 
 
 def _powered_up(axis: Axis, vibration: Vibration, random: np.random.Generator, now: float) -> Drive:

@@ -52,7 +52,7 @@ class Capture:
         self._journal = journal
         self._plan = session.chain()[-1]
         self._rig = session.rig()
-        self._missing = Missing(session, self._plan, journal.frames())
+        self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
         """Take every missing frame.

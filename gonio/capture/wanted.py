@@ -10,7 +10,7 @@ from gonio.files import sha256_file
 from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES, exposures_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from gonio.journal import FrameRecord, Role
     from gonio.plan import Plan, Shot
@@ -37,10 +37,17 @@ class Wanted:
 
 
 def verified_frames(
-    session: Session, records: Sequence[FrameRecord]
+    session: Session, records: Sequence[FrameRecord], rejected: Collection[str] = ()
 ) -> dict[FrameKey, FrameRecord]:
-    """Return the newest record of each frame whose file is there with the content it had."""
-    return {record.key: record for record in records if _is_intact(session, record)}
+    """Return the newest record of each frame whose file is there with the content it had.
+
+    Files that the reduction has rejected do not count.
+    """
+    return {
+        record.key: record
+        for record in records
+        if record.file not in rejected and _is_intact(session, record)
+    }
 
 
 def _is_intact(session: Session, record: FrameRecord) -> bool:
@@ -57,10 +64,18 @@ class Missing:
         What is measured.
     records
         The journal's frames so far; those that verify are not taken again.
+    rejected
+        Files of frames that the reduction had no use for.
     """
 
-    def __init__(self, session: Session, plan: Plan, records: Sequence[FrameRecord]) -> None:
-        self._have = verified_frames(session, records)
+    def __init__(
+        self,
+        session: Session,
+        plan: Plan,
+        records: Sequence[FrameRecord],
+        rejected: Collection[str] = (),
+    ) -> None:
+        self._have = verified_frames(session, records, rejected)
         self._tries = Counter(record.key for record in records)
         self._exposures = exposures_of(plan.shots)
 

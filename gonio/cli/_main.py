@@ -47,9 +47,11 @@ def main() -> None:
         cli.main(prog_name="gonio", standalone_mode=False)
     except click.exceptions.Exit as exit_:
         sys.exit(exit_.exit_code)
-    except click.ClickException as error:
+    except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         sys.exit(error.exit_code)
+    except click.ClickException as error:
+        _fail(error.format_message(), error.exit_code)
     except GonioError as error:
         _fail(str(error), error.exit_code)
     except (click.Abort, KeyboardInterrupt):

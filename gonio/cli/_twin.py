@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+from collections import Counter
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydantic import Field
@@ -12,7 +14,7 @@ from gonio.capture import Instrument
 from gonio.clock import VirtualClock
 from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
 from gonio.errors import ResumeRefusedError
-from gonio.files import write_json
+from gonio.files import sha256_file, write_json
 from gonio.validation import Document, check, parse_json, read_text
 from sim.camera import SimCamera
 from sim.materials import load_material
@@ -21,21 +23,36 @@ from sim.twin import Twin
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from gonio.capture.instrument import Holder
     from gonio.protocols import Material
     from gonio.session import Session
 
-DEFAULT_MATERIAL = "wood-veneer"
 _REMEDY = "this session was not made with --sim, or its sim folder is damaged"
 
 
 class TwinSettings(Document):
-    """What a session's twin is made of, so that a resume makes the same."""
+    """What a session's twin is made of, so that a resume makes the same.
+
+    Attributes
+    ----------
+    material
+        An embedded name, or the whole path of a table.
+    sha256
+        Of the table's file; empty for an embedded name.
+    seed
+        Of all noise.
+    """
 
     material: str
+    sha256: str
     seed: int = Field(ge=0)
+
+    @classmethod
+    def of(cls, material: str, seed: int) -> TwinSettings:
+        """Make the settings of a material as a user names it."""
+        name = _whole(material)
+        return cls(material=name, sha256=_digest(name), seed=seed)
 
 
 def remember(session: Session, settings: TwinSettings, material: Material) -> None:
@@ -50,13 +67,13 @@ def recall(session: Session, material: str | None, seed: int | None) -> TwinSett
     Raises
     ------
     gonio.errors.ResumeRefusedError
-        When another material or seed is asked for now.
+        When another material or seed is asked for now, or the table's file has changed.
     """
     path = _path(session)
     settings = check(
         TwinSettings, parse_json(read_text(path, _REMEDY), path, _REMEDY), path, _REMEDY
     )
-    asked = {"material": material, "seed": seed}
+    asked = {"material": None if material is None else _whole(material), "seed": seed}
     for name, value in asked.items():
         begun = getattr(settings, name)
         if value is not None and value != begun:
@@ -64,6 +81,11 @@ def recall(session: Session, material: str | None, seed: int | None) -> TwinSett
                 f"{session.root}: was begun with {name} {begun}, not {value}; resume without "
                 f"--{name}, or start a new session with -o"
             )
+    if _digest(settings.material) != settings.sha256:
+        raise ResumeRefusedError(
+            f"{session.root}: {settings.material} is not the file it was begun with; put that "
+            "back, or start a new session with -o"
+        )
     return settings
 
 
@@ -75,7 +97,7 @@ def simulated(session: Session, settings: TwinSettings) -> Iterator[tuple[Instru
     frames.mkdir(parents=True, exist_ok=True)
     clock = VirtualClock(_last_time(session))
     camera = SimCamera(rig, load_material(settings.material), settings.seed)
-    twin = Twin(rig, camera, clock, frames, settings.seed)
+    twin = Twin(rig, camera, clock, frames, settings.seed, _taken(session))
     instrument = Instrument(
         arm=Arm(twin.bus, rig, clock),
         lamps=LampHead(twin.line, rig, clock),
@@ -95,6 +117,25 @@ class SimOperator:
     def place(self, what: Holder) -> None:
         """Put the reference or the sample into the twin's holder."""
         self._twin.holder = what
+
+
+def _whole(material: str) -> str:
+    """Return a table's whole path, so that a resume finds it from any folder."""
+    return str(Path(material).resolve()) if material.endswith(".npz") else material
+
+
+def _digest(material: str) -> str:
+    path = Path(material)
+    return sha256_file(path) if material.endswith(".npz") and path.is_file() else ""
+
+
+def _taken(session: Session) -> Counter[tuple[bool, int]]:
+    """Count the frames of the reference so far, by whether it was lit and by exposure in us."""
+    if not session.journal_path.is_file():
+        return Counter()
+    with session.journal() as journal:
+        records = [record for record in journal.frames() if record.role != "shot"]
+    return Counter((record.role == "white", round(1e6 * record.exposure_s)) for record in records)
 
 
 def _path(session: Session) -> Path:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 if TYPE_CHECKING:
     from gonio.cli._twin import TwinSettings
@@ -15,6 +16,14 @@ if TYPE_CHECKING:
     from gonio.session import Session
 
 _DEFAULT_PLAN = Path("plan.json")
+_MATERIAL = "wood-veneer"
+_NOTES = {
+    "sample": "--sample",
+    "orientation": "--orientation",
+    "mounting": "--mounting",
+    "operator": "--operator",
+    "temperature_c": "--temperature",
+}
 
 
 @click.command(name="capture")
@@ -77,38 +86,82 @@ def command(
         gonio capture --sim --material brushed-metal -o metal/
         gonio capture --sim --resume
     """  # noqa: D301
-    from gonio.cli._twin import DEFAULT_MATERIAL, TwinSettings, recall, remember
     from gonio.errors import BadInputError
-    from gonio.plan import Plan
-    from gonio.rig import default_rig, default_rig_text, load_rig
-    from gonio.session import Notes, Session
-    from sim.materials import load_material
 
     if not sim:
         raise BadInputError(
             "this version drives the simulated rig only; add --sim to measure with it"
         )
-    rig = load_rig(rig_path) if rig_path else default_rig()
     if resume:
-        session = Session.open(output)
-        plan = Plan.load(plan_path) if plan_path else None
-        session.check_same(plan, rig if rig_path else None)
-        settings = recall(session, material, seed)
+        _refuse_notes()
+        session, settings = _resumed(output, plan_path, rig_path, material, seed)
     else:
-        settings = TwinSettings(material=material or DEFAULT_MATERIAL, seed=seed or 0)
-        notes = Notes(
-            sample=sample or f"{Path(settings.material).stem} (simulated)",
-            orientation=orientation,
-            mounting=mounting,
-            operator=operator,
-            temperature_c=temperature_c,
-        )
-        rig_text = rig_path.read_text(encoding="utf-8") if rig_path else default_rig_text()
-        # a bad material is refused before anything is written
-        carried = load_material(settings.material)
-        session = Session.create(output, _plan_for(plan_path, rig), rig_text, notes)
-        remember(session, settings, carried)
+        notes = {
+            "sample": sample or f"{Path(material or _MATERIAL).stem} (simulated)",
+            "orientation": orientation,
+            "mounting": mounting,
+            "operator": operator,
+            "temperature_c": temperature_c,
+        }
+        session, settings = _created(output, plan_path, rig_path, material, seed, notes)
     _measure(session, settings)
+
+
+def _refuse_notes() -> None:
+    """Refuse notes on a resume, which keeps those that the session was begun with."""
+    from gonio.errors import ResumeRefusedError
+
+    context = click.get_current_context()
+    for name, option in _NOTES.items():
+        if context.get_parameter_source(name) == ParameterSource.COMMANDLINE:
+            raise ResumeRefusedError(
+                f"{option}: the notes are those that the session was begun with; leave it out"
+            )
+
+
+def _resumed(
+    root: Path,
+    plan_path: Path | None,
+    rig_path: Path | None,
+    material: str | None,
+    seed: int | None,
+) -> tuple[Session, TwinSettings]:
+    from gonio.cli._twin import recall
+    from gonio.plan import Plan
+    from gonio.rig import load_rig
+    from gonio.session import Session
+
+    session = Session.open(root)
+    plan = Plan.load(plan_path) if plan_path else None
+    session.check_same(plan, load_rig(rig_path) if rig_path else None)
+    return session, recall(session, material, seed)
+
+
+def _created(
+    root: Path,
+    plan_path: Path | None,
+    rig_path: Path | None,
+    material: str | None,
+    seed: int | None,
+    said: dict[str, Any],
+) -> tuple[Session, TwinSettings]:
+    from gonio.cli._twin import TwinSettings, remember
+    from gonio.rig import default_rig, default_rig_text, load_rig
+    from gonio.session import Notes, Session
+    from gonio.validation import check
+    from sim.materials import load_material
+
+    rig = load_rig(rig_path) if rig_path else default_rig()
+    rig_text = rig_path.read_text(encoding="utf-8") if rig_path else default_rig_text()
+    notes = check(Notes, said, Path("notes"), "correct the option of that name")
+    # a bad material is refused before anything is written
+    carried = load_material(material or _MATERIAL)
+    settings = TwinSettings.of(material or _MATERIAL, seed or 0)
+    plan = _plan_for(plan_path, rig)
+    session = Session.create(
+        root, plan, rig_text, notes, lambda session: remember(session, settings, carried)
+    )
+    return session, settings
 
 
 def _plan_for(path: Path | None, rig: Rig) -> Plan:
@@ -138,7 +191,9 @@ def _measure(session: Session, settings: TwinSettings) -> None:
         start_s = instrument.clock.now()
         frames = Capture(session, instrument, operator, journal).run(progress)
         took_s = instrument.clock.now() - start_s
-    session.note_timing("capture", time.perf_counter() - began)
+        if frames:
+            before = session.timings().get("capture", 0.0)
+            session.note_timing("capture", before + time.perf_counter() - began)
     _report(session, settings, frames, took_s)
 
 
@@ -148,9 +203,9 @@ def _report(session: Session, settings: TwinSettings, frames: int, took_s: float
     if not frames:
         console.print(f"{session.root}: nothing left to take; the session is complete")
         return
-    expected = session.chain()[-1].estimates.total_s
+    expected, name = session.chain()[-1].estimates.total_s, Path(settings.material).stem
     console.print(
-        f"{session.root}: {frames} frames of {settings.material} in {duration(took_s)} of rig time "
+        f"{session.root}: {frames} frames of {name} in {duration(took_s)} of rig time "
         f"(whole plan estimated at {duration(expected)})"
     )
     console.print(f"next: gonio reconstruct {session.root}")

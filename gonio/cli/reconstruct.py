@@ -79,9 +79,10 @@ def command(
 ) -> None:
     """Turn SOURCE into a material for the whole hemisphere, with error bars.
 
-    SOURCE is a session's folder (its raw frames are reduced first), or a CSV table from
-    any other rig with the columns light_theta_deg, light_phi_deg, view_theta_deg,
-    view_phi_deg, r, g, b (or one y) and, where known, sigma_r, sigma_g, sigma_b.
+    SOURCE is a session's folder (its raw frames are reduced first, unless gonio reduce has
+    done it since the last of them), or a CSV table from any other rig with the columns
+    light_theta_deg, light_phi_deg, view_theta_deg, view_phi_deg, r, g, b (or one y) and,
+    where known, sigma_r, sigma_g, sigma_b.
 
     \b
     Examples:
@@ -89,9 +90,9 @@ def command(
         gonio reconstruct session/ --steps 103000
         gonio reconstruct samples.csv -o model/
     """  # noqa: D301
-    from nnbrdf.estimators import PaperEstimator
+    from nnbrdf.estimators import estimator_named
 
-    recipe = PaperEstimator(
+    recipe = estimator_named(estimator)(
         hidden=SIZES[weights],
         epochs=epochs,
         steps=steps,
@@ -133,12 +134,16 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None) -> None:
 def _reduced(session: Session) -> Samples:
     from gonio.cli._console import progress_bar
     from gonio.files import sha256_file
-    from gonio.reduce import reduce_session
+    from gonio.reduce import is_reduced, reduce_session
+    from gonio.samples import Samples
 
-    began = time.perf_counter()
-    with progress_bar("reducing") as progress:
-        samples = reduce_session(session, progress=progress)
-    session.note_timing("reduce", time.perf_counter() - began)
+    if is_reduced(session):
+        samples = Samples.load(session.samples_path)
+    else:
+        began = time.perf_counter()
+        with progress_bar("reducing") as progress:
+            samples = reduce_session(session, progress=progress)
+        session.note_timing("reduce", time.perf_counter() - began)
     made_from = samples.provenance | {"samples": sha256_file(session.samples_path)}
     return replace(samples, provenance=made_from)
 

@@ -124,11 +124,11 @@ class LampLine:
         if checksum and int(checksum, 16) != reduce(xor, answer[:-3]):
             return None
         text: str = parts["text"].decode("ascii")
-        if _ERROR.fullmatch(text):
+        number = None if parts["number"] is None else int(parts["number"])
+        if _ERROR.fullmatch(text) and number is None:
             # a request may lose its number and its checksum on the way; then the error has none
             return text
-        is_own = parts["number"] is not None and int(parts["number"]) == self._number
-        return text if is_own and checksum else None
+        return text if number == self._number and checksum else None
 
 
 def number(text: str, command: str) -> float:

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from gonio.reduce.reduce import PATCH_MM, reduce_session
+from gonio.reduce.reduce import PATCH_MM, is_reduced, reduce_session
 
-__all__ = ["PATCH_MM", "reduce_session"]
+__all__ = ["PATCH_MM", "is_reduced", "reduce_session"]

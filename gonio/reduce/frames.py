@@ -57,6 +57,8 @@ class Frames:
     ----------
     problems
         What was wrong with each calibration frame that was left out, by role.
+    useless
+        What was wrong with each frame that must be taken again, by its file.
     """
 
     def __init__(self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord]) -> None:
@@ -67,6 +69,7 @@ class Frames:
             repeats = self._tries[record.role, record.shot_index, record.exposure_s]
             repeats.setdefault(record.repeat, []).append(record)
         self.problems: dict[Role, list[str]] = {"dark": [], "white": []}
+        self.useless: dict[str, str] = {}
 
     @property
     def sensor(self) -> Sensor:
@@ -116,8 +119,17 @@ class Frames:
 
     def _read(self, record: FrameRecord) -> RawFrame:
         path = self._root / record.file
-        raw = read_raw(path, record.sha256)
+        try:
+            raw = self._read_checked(record, path)
+        except BadFileError as error:
+            self.useless[record.file] = str(error)
+            raise
+        # which of two sensors is the wrong one cannot be told: that rejects no frame
         self._check_sensor(raw.sensor, path)
+        return raw
+
+    def _read_checked(self, record: FrameRecord, path: Path) -> RawFrame:
+        raw = read_raw(path, record.sha256)
         # the tolerance that the rig's protocol grants the shutter
         if abs(raw.exposure_s - record.exposure_s) > 0.01 * record.exposure_s + 100e-6:
             problem = f"was open {raw.exposure_s:g} s, not the {record.exposure_s:g} s asked for"

@@ -43,11 +43,6 @@ class Source:
         """Flux of each lamp of the head, shape (n,)."""
         return np.array([self.flux[lamp.n - 1] for lamp in self.lamps.lamp])
 
-    @property
-    def is_lit(self) -> bool:
-        """Whether any lamp gave light."""
-        return bool(self.strengths.sum() > 0)
-
     def irradiance(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the irradiance at points of the sample's plane.
 

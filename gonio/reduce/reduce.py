@@ -75,7 +75,10 @@ def reduce_session(
         )
     frames = Frames(session.root, rig.camera, records)
     patches = PatchFinder(rig.camera, patch_mm)
-    calibration = calibrate(frames, rig, patches, exposures_of(shots))
+    try:
+        calibration = calibrate(frames, rig, patches, exposures_of(shots))
+    finally:
+        _reject(session, frames)
     rows, problems = [], []
     for done, shot in enumerate(shots, start=1):
         try:
@@ -84,8 +87,9 @@ def reduce_session(
             problems.append(str(error))
         if progress is not None:
             progress(done, len(shots))
+    _reject(session, frames)
     _warn(session, problems, len(shots), frames)
-    samples = _samples(rows, _provenance(session, rows, calibration))
+    samples = _samples(rows, _provenance(session, records, rows, calibration))
     samples.save(session.samples_path)
     return samples
 
@@ -155,14 +159,48 @@ def _samples(rows: Sequence[_Row], provenance: dict[str, str]) -> Samples:
     )
 
 
-def _provenance(session: Session, rows: Sequence[_Row], calibration: Calibration) -> dict[str, str]:
-    used = [*calibration.records, *(record for row in rows for record in row.records)]
-    frames = [record.model_dump(mode="json") for record in used]
+def is_reduced(session: Session) -> bool:
+    """Tell whether `samples.nc` is there and was made from all that the session holds now.
+
+    It may be of any patch: what was reduced on purpose is not undone.
+    """
+    if not session.samples_path.is_file():
+        return False
+    try:
+        made_from = Samples.load(session.samples_path).provenance
+    except BadInputError:
+        return False
+    with session.journal() as journal:
+        records = journal.frames()
+    return made_from.items() >= _sources(session, records).items()
+
+
+def _sources(session: Session, records: Sequence[FrameRecord]) -> dict[str, str]:
+    taken = [record.model_dump(mode="json") for record in records]
     return {
         "plan": session.chain()[-1].sha256,
         "rig": session.rig().sha256,
-        "frames": sha256_bytes(canonical_json(frames)),
+        "taken": sha256_bytes(canonical_json(taken)),
     }
+
+
+def _reject(session: Session, frames: Frames) -> None:
+    with session.journal() as journal:
+        known = journal.rejected()
+        for file, problem in frames.useless.items():
+            if file not in known:
+                journal.reject(file, problem)
+
+
+def _provenance(
+    session: Session,
+    records: Sequence[FrameRecord],
+    rows: Sequence[_Row],
+    calibration: Calibration,
+) -> dict[str, str]:
+    used = [*calibration.records, *(record for row in rows for record in row.records)]
+    frames = [record.model_dump(mode="json") for record in used]
+    return _sources(session, records) | {"frames": sha256_bytes(canonical_json(frames))}
 
 
 def _warn(session: Session, problems: Sequence[str], shots: int, frames: Frames) -> None:

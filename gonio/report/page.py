@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any
 
+from gonio.errors import BadFileError
 from gonio.files import write_bytes
 from gonio.report.summary import summarize
 from gonio.samples import Flag
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from gonio.session import Session
 
+_log = logging.getLogger(__name__)
 _STAGES = ("capture", "reduce", "reconstruct")
 _MEANINGS = {
     Flag.CLIPPED: "saturated in every exposure: the value is a lower bound",
@@ -48,12 +51,26 @@ def write_report(
     gonio.errors.StorageError
         When the page cannot be written.
     """
-    truth = session.truth_path if session is not None and session.truth_path.is_file() else None
+    truth = _truth(session)
     summary = summarize(model, samples, truth)
     page = _render(summary, model, samples, session, truth)
     # a name with half a surrogate pair is no UTF-8, and no reason to fail either
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
     return summary
+
+
+def _truth(session: Session | None) -> Path | None:
+    """Return where the truth is, if it is there and can be read: a report is due without it."""
+    from gonio.materials import MeasuredTable
+
+    if session is None or not session.truth_path.is_file():
+        return None
+    try:
+        MeasuredTable.load(session.truth_path)
+    except BadFileError as error:
+        _log.warning("%s", error)
+        return None
+    return session.truth_path
 
 
 def _render(

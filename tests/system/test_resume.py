@@ -1,0 +1,146 @@
+"""What a session holds on to: its materials, its samples, its noise, its notes."""
+
+import json
+import shutil
+import sqlite3
+
+import numpy as np
+import pytest
+
+from gonio.directions import paper_directions
+from gonio.files import sha256_file
+from gonio.materials import MeasuredTable
+from gonio.samples import Samples
+
+
+def ok(result):
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+@pytest.fixture
+def session(gonio, tmp_path):
+    """Nine shots of a table that lies beside the session."""
+    values = np.random.default_rng(0).uniform(0.1, 0.5, (81, 81, 3))
+    MeasuredTable.of(values).save(tmp_path / "mine.npz")
+    ok(gonio("plan", "--density", "3"))
+    ok(gonio("capture", "--sim", "--material", "mine.npz", "--sample", "mine"))
+    return tmp_path / "session"
+
+
+def drop_frames(session, condition):
+    with sqlite3.connect(session / "journal.sqlite") as journal:
+        journal.execute(f"DELETE FROM event WHERE kind = 'frame' AND {condition}")
+
+
+def test_samples_reduced_on_purpose_are_what_is_reconstructed(gonio, session):
+    ok(gonio("reduce", "--patch-mm", "20"))
+    wide = sha256_file(session / "samples.nc")
+    ok(gonio("reconstruct", "--epochs", "2"))
+    assert sha256_file(session / "samples.nc") == wide
+    assert json.loads((session / "model/model.json").read_text())["provenance"]["samples"] == wide
+    drop_frames(session, "data LIKE '%\"shot_index\": 8%' AND data LIKE '%shot_000008%'")
+    gonio("reconstruct", "--epochs", "2")
+    assert sha256_file(session / "samples.nc") != wide
+
+
+def test_a_resume_from_another_folder_finds_the_material(gonio, session, tmp_path):
+    drop_frames(session, "data LIKE '%shot_000004%'")
+    (tmp_path / "elsewhere").mkdir()
+    ok(gonio("capture", "--sim", "--resume", "-o", session, cwd=tmp_path / "elsewhere"))
+
+
+def test_a_material_that_has_changed_is_refused(gonio, session, tmp_path):
+    drop_frames(session, "data LIKE '%shot_000004%'")
+    MeasuredTable.of(np.full((81, 81, 3), 0.3)).save(tmp_path / "mine.npz")
+    refused = gonio("capture", "--sim", "--resume")
+    assert refused.returncode == 4
+    assert "is not the file it was begun with" in refused.stderr
+
+
+def test_repeats_taken_after_a_resume_have_noise_of_their_own(gonio, session):
+    before = {path.name: sha256_file(path) for path in (session / "calibration").iterdir()}
+    drop_frames(session, "(data LIKE '%_r2_%' OR data LIKE '%_r3_%')")
+    for name in before:
+        if "_r2_" in name or "_r3_" in name:
+            (session / "calibration" / name).unlink()
+    ok(gonio("capture", "--sim", "--resume"))
+    after = {path.name: sha256_file(path) for path in (session / "calibration").iterdir()}
+    # lamps that were cold again make other white frames; dark ones are those of one go
+    assert {k: v for k, v in after.items() if "dark" in k}.items() <= before.items()
+    assert after.keys() == before.keys()
+    assert len(set(after.values())) == len(after)
+
+
+def test_a_frame_of_no_use_is_taken_again(gonio, session):
+    frame = session / "raw/shot_000002_e0_r0_a1.dng"
+    other = session / "raw/shot_000002_e1_r0_a1.dng"
+    shutil.copy(other, frame)  # whole, but of another exposure
+    with sqlite3.connect(session / "journal.sqlite") as journal:
+        rows = journal.execute("SELECT id, data FROM event WHERE kind = 'frame'").fetchall()
+        ((number, data),) = [row for row in rows if "shot_000002_e0" in row[1]]
+        changed = json.dumps(json.loads(data) | {"sha256": sha256_file(frame)})
+        journal.execute("UPDATE event SET data = ? WHERE id = ?", (changed, number))
+    reduced = gonio("reduce")
+    assert "take it again with: gonio capture --resume" in reduced.stderr
+    assert len(Samples.load(session / "samples.nc")) == 8
+    ok(gonio("capture", "--sim", "--resume"))
+    ok(gonio("reduce"))
+    assert len(Samples.load(session / "samples.nc")) == 9
+
+
+def test_notes_are_kept_and_a_resume_with_others_is_refused(gonio, session):
+    refused = gonio("capture", "--sim", "--resume", "--operator", "Ada")
+    assert (refused.returncode, "--operator" in refused.stderr) == (4, True)
+
+
+def test_a_resume_that_has_nothing_to_do_leaves_the_timings(gonio, session):
+    before = (session / "timings.json").read_text()
+    assert "complete" in ok(gonio("capture", "--sim", "--resume"))
+    assert (session / "timings.json").read_text() == before
+
+
+def test_a_truth_that_cannot_be_read_costs_no_report(gonio, session):
+    (session / "sim/truth.npz").write_bytes(b"PK broken")
+    printed = gonio("reconstruct", "--epochs", "2")
+    assert printed.returncode == 0
+    assert "truth.npz" in printed.stderr
+    assert "not known" in printed.stdout
+
+
+BAD = {
+    "too cold": (("capture", "--sim", "--temperature", "-300"), "temperature_c"),
+    "no temperature": (("capture", "--sim", "--temperature", "inf"), "temperature_c"),
+    "no seed": (("capture", "--sim", "--seed", "-1"), "--seed"),
+    "no command": (("nosuch",), "nosuch"),
+}
+
+
+@pytest.mark.parametrize(("command", "says"), BAD.values(), ids=BAD)
+def test_one_line(gonio, tmp_path, command, says):
+    ran = gonio(*command)
+    assert ran.returncode == 2
+    assert says in ran.stderr
+    assert len(ran.stderr.splitlines()) == 1
+    assert not (tmp_path / "session").exists()
+
+
+def test_a_plan_that_counts_twice_is_refused(gonio, tmp_path):
+    from gonio.plan import Shot
+
+    shot = {
+        "index": 0, "light_theta_deg": 0, "light_phi_deg": 0, "view_theta_deg": 0,
+        "view_phi_deg": 0, "exposures_s": [0.1], "lamps": [{"n": 1, "mA": 700}],
+    }  # fmt: skip
+    Shot.model_validate(shot)
+    with pytest.raises(ValueError, match="one exposure twice"):
+        Shot.model_validate(shot | {"exposures_s": [0.1, 0.1]})
+    with pytest.raises(ValueError, match="one lamp twice"):
+        Shot.model_validate(shot | {"lamps": shot["lamps"] * 2})
+
+
+def test_a_table_in_another_order_is_refused(gonio, tmp_path):
+    values = np.full((81, 81, 3), 0.2)
+    np.savez(tmp_path / "turned.npz", values=values, directions=paper_directions()[::-1])
+    ran = gonio("capture", "--sim", "--material", "turned.npz")
+    assert (ran.returncode, "not the 81 in their order" in ran.stderr) == (2, True)
