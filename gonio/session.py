@@ -205,6 +205,22 @@ class Session:
         text = read_text(self.notes_path, _REMEDY)
         return check(Notes, parse_json(text, self.notes_path, _REMEDY), self.notes_path, _REMEDY)
 
+    def plan(self) -> Plan:
+        """Return the session's plan.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When there are several: frames do not yet say which of them they belong to.
+        """
+        first, *others = self.chain()
+        if others:
+            raise BadInputError(
+                f"{self.plans}: holds {1 + len(others)} plans, and this version measures one; "
+                "start a new session with the other"
+            )
+        return first
+
     def chain(self) -> list[Plan]:
         """Return the plans, oldest first.
 

@@ -50,7 +50,7 @@ class Capture:
         self._instrument = instrument
         self._operator = operator
         self._journal = journal
-        self._plan = session.chain()[-1]
+        self._plan = session.plan()
         self._rig = session.rig()
         self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
 

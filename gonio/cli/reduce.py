@@ -46,7 +46,7 @@ def command(*, root: Path, patch_mm: float) -> None:
             samples = reduce_session(session, patch_mm=patch_mm, progress=progress)
         seconds = time.perf_counter() - began
         session.note_timing("reduce", seconds)
-    console.print(_table(samples, len(session.chain()[-1].shots), seconds))
+    console.print(_table(samples, len(session.plan().shots), seconds))
     console.print(f"samples: {session.samples_path}")
 
 

@@ -66,7 +66,7 @@ def reduce_session(
     gonio.errors.StorageError
         When the samples cannot be written.
     """
-    rig, shots = session.rig(), session.chain()[-1].shots
+    rig, shots = session.rig(), session.plan().shots
     with session.journal() as journal:
         records = journal.frames()
     if not any(record.role == "shot" for record in records):
@@ -178,7 +178,7 @@ def is_reduced(session: Session) -> bool:
 def _sources(session: Session, records: Sequence[FrameRecord]) -> dict[str, str]:
     taken = [record.model_dump(mode="json") for record in records]
     return {
-        "plan": session.chain()[-1].sha256,
+        "plan": session.plan().sha256,
         "rig": session.rig().sha256,
         "taken": sha256_bytes(canonical_json(taken)),
     }

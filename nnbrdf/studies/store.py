@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
-from gonio.errors import BadFileError, StorageError
+from gonio.errors import BadFileError, BadInputError, StorageError
+from gonio.files import sync_file
 from nnbrdf.studies.job import Outcome
 
 if TYPE_CHECKING:
@@ -51,8 +53,10 @@ def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
     path = folder / RESULTS_NAME
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _drop_cut_line(path)
         with path.open("ab") as file:
+            _hold(file, folder)
+            sync_file(folder)
+            _drop_cut_line(path)
 
             def append(outcome: Outcome) -> None:
                 file.write(json.dumps(outcome.row()).encode() + b"\n")
@@ -62,6 +66,16 @@ def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
             yield append
     except OSError as error:
         raise StorageError.from_os(path, error) from error
+
+
+def _hold(file: IO[bytes], folder: Path) -> None:
+    """Hold the file against other processes; the lock goes with it."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        raise BadInputError(
+            f"{folder}: another study writes its results here; wait for it, or give another -o"
+        ) from None
 
 
 def _parse(path: Path, number: int, line: str) -> Outcome:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gonio.errors import BadFileError
+from gonio.errors import BadFileError, BadInputError
 from nnbrdf.estimators import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.job import Job, Outcome
@@ -206,3 +206,12 @@ def test_designs_are_as_large_as_they_say():
     assert {job.steps for job in settings["equal steps"]} == {103_000}
     assert {job.top for job in settings["targets to 255"]} == {255.0}
     assert {job.white_scale for job in settings["white x 2"]} == {2.0}
+
+
+def test_two_studies_do_not_write_into_one_file(tmp_path):
+    with (
+        appending(tmp_path),
+        pytest.raises(BadInputError, match="another study writes its results here"),
+        appending(tmp_path),
+    ):
+        pass
