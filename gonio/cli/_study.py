@@ -12,6 +12,7 @@ import numpy as np
 from gonio.cli._console import console, duration, progress_bar
 from gonio.errors import BadInputError
 from gonio.files import sha256_bytes
+from nnbrdf.fused import MOST_LAYERS
 from nnbrdf.studies.designs import Extent
 from nnbrdf.studies.export import write_outcomes, write_table
 from nnbrdf.studies.job import METRICS
@@ -112,9 +113,11 @@ def networks_in(text: str) -> tuple[tuple[int, ...], ...]:
         )
     except ValueError:
         networks = ()
-    if not networks or any(not 1 <= size <= 512 for hidden in networks for size in hidden):
+    too_deep = any(len(hidden) >= MOST_LAYERS for hidden in networks)
+    if not networks or too_deep or not all(1 <= size <= 512 for each in networks for size in each):
         raise BadInputError(
-            f"networks {text!r} are none; write hidden layers of 1 to 512 like 15-30-20,3-6-4"
+            f"networks {text!r} are none; write up to {MOST_LAYERS - 1} hidden layers of 1 to 512 "
+            "like 15-30-20,3-6-4"
         )
     return networks
 

@@ -90,6 +90,7 @@ BAD = {
     "encoding": (("encodings", "satin", "--encodings", "abc"), "use "),
     "subset": (("activations", "satin", "--subsets", "abc"), "use va-ia, vs-ia, va-is, vs-is"),
     "network": (("topology", "satin", "--networks", "4-x"), "like 15-30-20,3-6-4"),
+    "too deep": (("topology", "satin", "--networks", "1-2-3-4-5-6-7-8"), "up to 7 hidden layers"),
     "no units": (("topology", "satin", "--networks", "4-0"), "like 15-30-20,3-6-4"),
     "material": (("activations", "steel"), "material 'steel' is not known"),
     "file": (("activations", "none.npz"), "none.npz"),
