@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Progress
     from nnbrdf.network import Networks
+
+_log = logging.getLogger(__name__)
 
 BATCH = 32
 CHECKPOINTS = 25
@@ -85,6 +88,11 @@ def make_trainer(
         raise BadInputError(f"trainer {name!r} is not known; use {', '.join(TRAINERS)}")
     if name == "fused":
         return fused.FusedTrainer(networks, inputs, targets, seeds, rate)
+    if trainer is None:
+        _log.warning(
+            "no compiled trainer here, so torch trains, some 40 times slower; for the other, install "
+            "a C++ compiler and gonio again"
+        )
     try:
         import torch
 

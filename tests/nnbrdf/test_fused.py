@@ -222,6 +222,13 @@ def test_without_the_kernel_torch_trains():
         "import sys; sys.modules['nnbrdf._fused'] = None\n"
         "from nnbrdf import fused, training\n"
         "assert not fused.is_available()\n"
+        "from nnbrdf.network import glorot_uniform\n"
+        "import numpy as np\n"
+        "start = glorot_uniform((2, 3, 1), [np.random.default_rng(0)])\n"
+        "training.make_trainer(start, np.ones((4, 2)), np.ones((4, 1)), [0]).run(2)\n"
         "assert training.default_trainer() == 'torch'\n"
     )
-    subprocess.run([sys.executable, "-c", script], check=True, env=os.environ)
+    ran = subprocess.run(
+        [sys.executable, "-c", script], check=True, env=os.environ, capture_output=True, text=True
+    )
+    assert "install a C++ compiler" in ran.stderr
