@@ -90,8 +90,8 @@ def make_trainer(
         return fused.FusedTrainer(networks, inputs, targets, seeds, rate)
     if trainer is None:
         _log.warning(
-            "no compiled trainer here, so torch trains, some 40 times slower; for the other, install "
-            "a C++ compiler and gonio again"
+            "no compiled trainer here, so torch trains, some 40 times slower; for the other, "
+            "install a C++ compiler and gonio again"
         )
     try:
         import torch
