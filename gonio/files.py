@@ -60,8 +60,11 @@ def write_with(path: Path, write: Callable[[Path], None]) -> None:
     Raises
     ------
     StorageError
-        When the operating system refuses; `path` is then as it was before.
+        When the operating system refuses; `path` is then as it was before. Also when `path` is
+        there and no file: a rename would put one in the place of a device or a pipe.
     """
+    if path.exists() and not path.is_file():
+        raise StorageError(f"{path}: is there and is no file; give another name")
     aside = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

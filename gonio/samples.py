@@ -20,6 +20,7 @@ SCHEMA = "gonio.samples/1"
 RGB = ("r", "g", "b")
 _REMEDY = "make it again with: gonio reduce"
 WHITE_PER_MEDIAN = 4.0
+_LARGEST = 1e12
 
 
 class Flag(IntFlag):
@@ -153,6 +154,10 @@ class Samples:
         for name in ("light", "view"):
             _check_directions(name, getattr(self, name))
         _refuse_rows("value is not finite", ~np.isfinite(self.value).all(axis=1))
+        # far beyond any mirror; the square of what a model of such numbers says overflows
+        _refuse_rows(
+            f"value is beyond {_LARGEST:g} 1/sr", (np.abs(self.value) > _LARGEST).any(axis=1)
+        )
         _refuse_rows("sigma is negative or infinite", _bad_sigma(self.sigma).any(axis=1))
 
     def save(self, path: Path) -> None:

@@ -134,6 +134,7 @@ class Session:
             raise BadFileError(root, "no such folder", _REMEDY)
         if not (session.plans / "000.json").is_file():
             raise BadFileError(root, "is not a session (it has no plans/000.json)", _REMEDY)
+        session.notes()  # a damaged folder is told now, not after a night
         return session
 
     @property
@@ -261,7 +262,19 @@ class Session:
             )
 
     def journal(self, *, must_exist: bool = True) -> Journal:
-        """Open the journal."""
+        """Open the journal.
+
+        Raises
+        ------
+        gonio.errors.ResumeRefusedError
+            When it may be made, but frames are there that only a lost journal can vouch for.
+        """
+        frames = (*self.calibration.glob("*.dng"), *self.raw.glob("*.dng"))
+        if frames and not must_exist and not self.journal_path.exists():
+            raise ResumeRefusedError(
+                f"{self.journal_path}: is gone, and the frames that it vouched for are there; "
+                "put it back, or start a new session with -o"
+            )
         return Journal(self.journal_path, must_exist=must_exist)
 
     @contextlib.contextmanager

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import errno
+import signal
 import sys
+from typing import TYPE_CHECKING
 
 import click
 
 from gonio import __version__
 from gonio.cli._lazy import LazyGroup
 from gonio.errors import GonioError
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+_REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
 
 # the short helps live here, so that `gonio --help` imports no command
 COMMANDS = {
@@ -43,6 +51,8 @@ def cli() -> None:
 
 def main() -> None:
     """Run the command line; exit 2 for bad input, 3 for a device fault, 4 for a refused resume."""
+    # a shutdown of the machine stops a capture as orderly as Ctrl-C does
+    signal.signal(signal.SIGTERM, _interrupt)
     try:
         cli.main(prog_name="gonio", standalone_mode=False)
     except click.exceptions.Exit as exit_:
@@ -57,7 +67,14 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         _fail("stopped; what was finished is kept", 130)
     except OSError as error:
-        _fail(f"{error.filename or 'input/output'}: {error.strerror or error}", 2)
+        place = error.filename or "input/output"
+        if error.errno in _REFUSED:
+            _fail(f"{place}: {error.strerror}; check the folder, its permissions and space", 3)
+        _fail(f"{place}: {error.strerror or error}", 2)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
 
 
 def _fail(message: str, code: int) -> None:

@@ -146,6 +146,7 @@ def _created(
     said: dict[str, Any],
 ) -> tuple[Session, TwinSettings]:
     from gonio.cli._twin import TwinSettings, remember
+    from gonio.materials import reference_material
     from gonio.rig import default_rig, default_rig_text, load_rig
     from gonio.session import Notes, Session
     from gonio.validation import check
@@ -156,6 +157,7 @@ def _created(
     notes = check(Notes, said, Path("notes"), "correct the option of that name")
     # a bad material is refused before anything is written
     carried = load_material(material or _MATERIAL)
+    reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
     plan = _plan_for(plan_path, rig)
     session = Session.create(

@@ -71,10 +71,13 @@ def command(
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --rig rig.toml --plot directions.png
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
     from planner.density import split_density
     from planner.make import make_plan
 
+    if plot and plot.resolve() == output.resolve():
+        raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
     plan = make_plan(
         load_rig(rig_path) if rig_path else default_rig(),

@@ -82,7 +82,7 @@ def command(
     SOURCE is a session's folder (its raw frames are reduced first, unless gonio reduce has
     done it since the last of them), or a CSV table from any other rig with the columns
     light_theta_deg, light_phi_deg, view_theta_deg, view_phi_deg, r, g, b (or one y) and,
-    where known, sigma_r, sigma_g, sigma_b.
+    where known, sigma_r, sigma_g, sigma_b (or sigma_y).
 
     \b
     Examples:

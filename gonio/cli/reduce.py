@@ -66,6 +66,7 @@ def _table(samples: Samples, shots: int, seconds: float) -> Table:
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     table.add_row("shots in the plan", str(shots))
     table.add_row("samples", str(len(samples)))
+    table.add_row("left out", str(shots - len(samples)))
     table.add_row("clipped", count(Flag.CLIPPED))
     table.add_row("faint", count(Flag.FAINT))
     table.add_row("median value", f"{np.median(samples.value):.4g} 1/sr")

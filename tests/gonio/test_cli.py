@@ -89,7 +89,11 @@ ENDINGS = [
     (StorageError("disk"), 3, "gonio: disk\n"),
     (ResumeRefusedError("other plan"), 4, "gonio: other plan\n"),
     (KeyboardInterrupt(), 130, "\ngonio: stopped; what was finished is kept\n"),
-    (PermissionError(13, "Permission denied", "x.json"), 2, "gonio: x.json: Permission denied\n"),
+    (
+        PermissionError(13, "Permission denied", "x.json"),
+        3,
+        "gonio: x.json: Permission denied; check the folder, its permissions and space\n",
+    ),
     # as in gonio plan | head -1; click itself ends it
     (BrokenPipeError(32, "Broken pipe"), 1, ""),
 ]

@@ -98,7 +98,7 @@ def test_folders_are_made(tmp_path):
 
 def test_a_folder_in_the_way(tmp_path):
     (tmp_path / "x").mkdir()
-    with pytest.raises(StorageError, match="cannot be written"):
+    with pytest.raises(StorageError, match="is there and is no file"):
         write_bytes(tmp_path / "x", b"")
     assert [p.name for p in tmp_path.iterdir()] == ["x"]
 

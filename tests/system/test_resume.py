@@ -1,8 +1,12 @@
 """What a session holds on to: its materials, its samples, its noise, its notes."""
 
 import json
+import os
+import re
 import shutil
 import sqlite3
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -10,6 +14,7 @@ import pytest
 from gonio.directions import paper_directions
 from gonio.files import sha256_file
 from gonio.materials import MeasuredTable
+from gonio.rig import default_rig_text
 from gonio.samples import Samples
 
 
@@ -155,3 +160,59 @@ def test_a_second_plan_is_refused_and_not_mixed_up_with_the_first(gonio, session
         ran = gonio(*command)
         assert ran.returncode == 2
         assert "holds 2 plans" in ran.stderr
+
+
+def test_frames_without_their_journal_are_not_overwritten(gonio, session):
+    (session / "journal.sqlite").unlink()
+    before = {path.name: sha256_file(path) for path in (session / "raw").iterdir()}
+    refused = gonio("capture", "--sim", "--resume")
+    assert (refused.returncode, "is gone" in refused.stderr) == (4, True)
+    assert {path.name: sha256_file(path) for path in (session / "raw").iterdir()} == before
+
+
+def test_a_pipe_in_the_place_of_a_file_stays_one(gonio, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    ran = gonio("plan", "-o", "pipe")
+    assert (ran.returncode, "is no file" in ran.stderr) == (3, True)
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_a_plot_does_not_replace_its_plan(gonio, tmp_path):
+    ran = gonio("plan", "--plot", "plan.json")
+    assert (ran.returncode, len(ran.stderr.splitlines())) == (2, 1)
+    assert not (tmp_path / "plan.json").exists()
+
+
+def test_a_reference_that_is_not_there_costs_no_session(gonio, tmp_path):
+    rig = default_rig_text()
+    assert "reference = " in rig
+    (tmp_path / "rig.toml").write_text(re.sub(r"reference = .*", 'reference = "gone.npz"', rig))
+    ran = gonio("capture", "--sim", "--rig", "rig.toml")
+    assert ran.returncode == 2
+    assert not (tmp_path / "session").exists()
+
+
+def test_a_shutdown_stops_a_capture_in_order(gonio, tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gonio", "capture", "--sim"],
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+    while not list((tmp_path / "session/raw").glob("*.dng")):
+        os.sched_yield()
+    process.terminate()
+    _, said = process.communicate()
+    assert process.returncode == 130
+    assert "what was finished is kept" in said
+
+
+def test_values_that_no_reflectance_has_are_refused(gonio, tmp_path):
+    names = "light_theta_deg,light_phi_deg,view_theta_deg,view_phi_deg,y"
+    rows = "\n".join(f"{10 * i},0,0,0,1e300" for i in range(9))
+    (tmp_path / "huge.csv").write_text(f"{names}\n{rows}\n")
+    ran = gonio("reconstruct", "huge.csv", "-o", "m")
+    assert (ran.returncode, len(ran.stderr.splitlines())) == (2, 1)
+    assert not (tmp_path / "m").exists()
