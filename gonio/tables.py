@@ -100,6 +100,9 @@ class _Table:
     def sigma(self, channels: tuple[str, ...]) -> NDArray[np.float64] | None:
         """Return the sigmas, NaN where a cell is empty; None where no column states them."""
         names = [f"sigma_{channel}" for channel in channels]
+        for name in self.header.cells:
+            if name.startswith("sigma_") and name not in names:
+                raise self.header.error(f": column {name} fits no value; use {', '.join(names)}")
         if not set(names) & set(self.header.cells):
             return None
         return np.stack([self.column(name, _sigma) for name in names], axis=1)

@@ -73,6 +73,7 @@ def command(
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
+    from nnbrdf.estimators import MIN_SAMPLES
     from planner.density import split_density
     from planner.make import make_plan
 
@@ -88,6 +89,8 @@ def command(
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
+    if len(plan.shots) < MIN_SAMPLES:
+        click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if plot:
         _draw(plan, plot)
         click.echo(f"wrote {plot}")

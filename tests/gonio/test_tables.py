@@ -142,3 +142,12 @@ def test_any_table_of_numbers_comes_back(tmp_path_factory, rows):
     assert np.array_equal(samples.value[:, 0], columns[4])
     assert np.array_equal(samples.light, from_degrees(columns[0], columns[1]))
     assert np.array_equal(samples.view, from_degrees(columns[2], columns[3]))
+
+
+def test_a_sigma_of_no_channel_is_refused(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text(
+        "light_theta_deg,light_phi_deg,view_theta_deg,view_phi_deg,y,sigma_r\n0,0,0,0,1,0.1\n"
+    )
+    with pytest.raises(BadFileError, match="column sigma_r fits no value; use sigma_y"):
+        read_table(path)
