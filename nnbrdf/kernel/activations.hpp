@@ -196,7 +196,7 @@ void softmax(T* totals, T* slopes, int rows, int features, int pitch) {
 enum { kSoftmax = 17, kRrelu = 18 };
 
 template <class T>
-constexpr Activate<T> kActivations[] = {
+constexpr Activate<T> kActivations[kActivationCount] = {
     elementwise<T, Linear>,     elementwise<T, Sigmoid>,    elementwise<T, Exponential>,
     elementwise<T, Tanh>,       elementwise<T, Relu>,       elementwise<T, Elu>,
     elementwise<T, Selu>,       elementwise<T, Softplus>,   elementwise<T, Tanhshrink>,

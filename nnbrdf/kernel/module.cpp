@@ -56,6 +56,12 @@ const Functions<T>& functions_of(const Isa& isa) {
         return isa.twice;
 }
 
+int checked_activation(int number) {
+    if (number < 0 || number >= kActivationCount)
+        throw std::invalid_argument("there is no activation " + std::to_string(number));
+    return number;
+}
+
 template <class T>
 class Buffer {
    public:
@@ -81,7 +87,7 @@ class Trainer {
             const Array<T>& targets, std::uint64_t seed, double rate, const std::string& isa)
         : isa_(isa_named(isa)), state_{} {
         take_sizes(layers);
-        state_.activation = activation;
+        state_.activation = checked_activation(activation);
         state_.seed = state_.random = seed;
         state_.rate = rate;
         state_.decay = 1;
@@ -234,7 +240,7 @@ py::tuple activate(int activation, const Array<T>& totals, const std::string& na
     const Buffer<T> values(std::int64_t(rows) * pitch), slopes(std::int64_t(rows) * pitch);
     for (int row = 0; row < rows; ++row)
         std::copy_n(totals.data() + row * features, features, values.get() + row * pitch);
-    functions_of<T>(isa).activate(activation, values.get(), slopes.get(), rows, features, pitch);
+    functions_of<T>(isa).activate(checked_activation(activation), values.get(), slopes.get(), rows, features, pitch);
     Array<T> value({rows, features}), slope({rows, features});
     for (int row = 0; row < rows; ++row) {
         std::copy_n(values.get() + row * pitch, features, value.mutable_data(row, 0));

@@ -5,6 +5,7 @@
 
 constexpr int kBatch = 32;
 constexpr int kMostLayers = 8;
+constexpr int kActivationCount = 20;
 
 // Rows of every matrix start on a multiple of the vector width; `pitch` is their length with the
 // padding, in elements. Signal i has sizes[i] features, then a column of ones for the bias.

@@ -210,6 +210,20 @@ def test_samples_that_do_not_fit_are_refused(broken):
         a_trainer(a_start(), broken)
 
 
+@pytest.mark.parametrize("number", [-1, 20])
+def test_an_activation_that_is_none_is_refused(number):
+    layers = [layer[0] for layer in a_start().layers]
+    with pytest.raises(ValueError, match="there is no activation"):
+        _fused.Trainer64(layers, number, *some_samples(9), 0, RATE)
+    with pytest.raises(ValueError, match="there is no activation"):
+        _fused.activate64(number, np.zeros((1, 3)))
+
+
+def test_no_rows_predict_nothing():
+    trainer = a_trainer(a_start(), some_samples(9))
+    assert trainer.predict(np.empty((0, 6))).shape == (0, 3)
+
+
 def test_too_many_layers_for_the_kernel():
     networks = a_start((6,) + (2,) * 9)
     with pytest.raises(BadInputError, match="takes 8, the trainer torch takes more"):
