@@ -12,6 +12,9 @@ from nnbrdf.analytic.base import AnalyticBrdf, Color, colored, dot
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+COAT_SCALE = 28.0 / (23.0 * np.pi)
+"""Makes `passed_by_coat` of the light and of the view a BRDF in 1/sr."""
+
 
 @dataclass(frozen=True)
 class Lambert(AnalyticBrdf):
@@ -49,12 +52,19 @@ class OrenNayar(AnalyticBrdf):
     sigma: float
 
     def _above(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
-        light_z, view_z = light[:, 2], view[:, 2]
-        s = dot(light, view) - light_z * view_z
-        t = np.where(s > 0, np.maximum(light_z, view_z), 1.0)
-        scale = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * np.pi)) * self.sigma)
-        shape: NDArray[np.float64] = scale * (1.0 + self.sigma * s / t)
-        return colored(shape, self.color) / np.pi
+        return colored(fujii_term(light, view, self.sigma), self.color) / np.pi
+
+
+def fujii_term(
+    light: NDArray[np.float64], view: NDArray[np.float64], sigma: float
+) -> NDArray[np.float64]:
+    """Return how much brighter than Lambert's `OrenNayar` is, shapes (n, 3) to (n,)."""
+    light_z, view_z = light[:, 2], view[:, 2]
+    s = dot(light, view) - light_z * view_z
+    t = np.where(s > 0, np.maximum(light_z, view_z), 1.0)
+    scale = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * np.pi)) * sigma)
+    shape: NDArray[np.float64] = scale * (1.0 + sigma * s / t)
+    return shape
 
 
 @dataclass(frozen=True)
@@ -76,11 +86,12 @@ class CoatedDiffuse(AnalyticBrdf):
     f0: float
 
     def _above(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
-        passed = _passed(light[:, 2]) * _passed(view[:, 2])
-        scale = 28.0 / (23.0 * np.pi) * (1.0 - self.f0)
+        passed = passed_by_coat(light[:, 2]) * passed_by_coat(view[:, 2])
+        scale = COAT_SCALE * (1.0 - self.f0)
         return colored(scale * passed, self.color)
 
 
-def _passed(cosine: NDArray[np.float64]) -> NDArray[np.float64]:
+def passed_by_coat(cosine: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the share that a smooth coat lets through from a direction, shape (n,)."""
     passed: NDArray[np.float64] = 1.0 - (1.0 - cosine / 2.0) ** 5
     return passed

@@ -40,20 +40,24 @@ class AnisotropicGGX(AnalyticBrdf):
     def _above(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
         light, view = turn(light, self.phi), turn(view, self.phi)
         half = half_vector(light, view)
-        shape = self._distribution(half) * self._visibility(light, view)
+        shape = ggx_lobe(light, view, half, self.alpha_x, self.alpha_y)
         return shape[:, None] * schlick(dot(half, light), self.f0)
 
-    def _distribution(self, half: NDArray[np.float64]) -> NDArray[np.float64]:
-        slope = np.square(half / [self.alpha_x, self.alpha_y, 1.0]).sum(axis=1)
-        density: NDArray[np.float64] = 1.0 / (np.pi * self.alpha_x * self.alpha_y * slope**2)
-        return density
 
-    def _visibility(
-        self, light: NDArray[np.float64], view: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return G / (4 cos cos), written so that nothing is divided by one small cosine."""
-        stretch = [self.alpha_x, self.alpha_y, 1.0]
-        light_length = np.linalg.norm(light * stretch, axis=1)
-        view_length = np.linalg.norm(view * stretch, axis=1)
-        visible: NDArray[np.float64] = 0.5 / (light[:, 2] * view_length + view[:, 2] * light_length)
-        return visible
+def ggx_lobe(
+    light: NDArray[np.float64],
+    view: NDArray[np.float64],
+    half: NDArray[np.float64],
+    alpha_x: float,
+    alpha_y: float,
+) -> NDArray[np.float64]:
+    """Return D G / (4 cos cos) in 1/sr, shapes (n, 3) to (n,), for a tangent along +x."""
+    slope = np.square(half / [alpha_x, alpha_y, 1.0]).sum(axis=1)
+    density = 1.0 / (np.pi * alpha_x * alpha_y * slope**2)
+    stretch = [alpha_x, alpha_y, 1.0]
+    light_length = np.linalg.norm(light * stretch, axis=1)
+    view_length = np.linalg.norm(view * stretch, axis=1)
+    # G / (4 cos cos), written so that nothing is divided by one small cosine
+    visible = 0.5 / (light[:, 2] * view_length + view[:, 2] * light_length)
+    lobe: NDArray[np.float64] = density * visible
+    return lobe

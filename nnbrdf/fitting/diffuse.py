@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nnbrdf.analytic.base import dot
+from nnbrdf.analytic.diffuse import fujii_term
 from nnbrdf.fitting.family import Family, Parameter
 
 if TYPE_CHECKING:
@@ -30,10 +30,7 @@ def _minnaert(pairs: Pairs, shape: Floats) -> Floats:
 
 def _oren_nayar(pairs: Pairs, shape: Floats) -> Floats:
     (sigma,) = shape
-    s = dot(pairs.light, pairs.view) - pairs.light_z * pairs.view_z
-    t = np.where(s > 0, np.maximum(pairs.light_z, pairs.view_z), 1.0)
-    scale = 1.0 / (np.pi * (1.0 + (0.5 - 2.0 / (3.0 * np.pi)) * sigma))
-    return np.asarray(scale * (1.0 + sigma * s / t))[:, None]
+    return fujii_term(pairs.light, pairs.view, float(sigma))[:, None] / np.pi
 
 
 LAMBERT = Family("lambert", "Lambert (1760), Photometria", (), ("diffuse",), _lambert)

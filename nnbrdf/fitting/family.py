@@ -46,7 +46,7 @@ class Parameter:
         """Return the value at a place from 0, the lower bound, to 1, the upper."""
         if self.spread_by_ratio:
             return float(self.low * (self.high / self.low) ** place)
-        return self.low + (self.high - self.low) * place
+        return float(self.low + (self.high - self.low) * place)
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,12 @@ class Pairs:
 
     @property
     def light_half(self) -> Floats:
-        """Cosine of the difference angle, 0 to 1."""
-        return dot(self.light, self.half).clip(0.0, 1.0)
+        """Cosine of the difference angle, above 0, up to 1.
+
+        As half the length of light + view: as a scalar product with the half vector it cancels
+        down to 0 where both graze from opposite sides, and models divide by it.
+        """
+        return np.asarray(np.linalg.norm(self.light + self.view, axis=1) / 2.0).clip(None, 1.0)
 
     @property
     def mirror_view(self) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,8 @@ _FLOOR = 0.01
 _ROBUST = 0.3
 _FEW = 500
 _SPAN = (1e-5, 1e4)
-_STEP = 1e-5
+_DIFFERENCE = 1e-5
+_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -34,15 +36,17 @@ class Fit:
     family
         Which model.
     shape
-        Its shape parameters, by name.
+        Its shape parameters, by name; `family.shape` has their units and bounds.
     colors
-        Shape (terms, 3).
+        Shape (terms, 3), a row for each of `family.terms`; all alike for one channel.
     residual
         Median absolute error of ln(f + 0.01 white) over the samples.
     seconds
         What the fit took.
     evaluations
         How often the model was evaluated.
+    converged
+        Whether the solver stopped by itself, not at its limit of steps.
     """
 
     family: Family
@@ -51,6 +55,7 @@ class Fit:
     residual: float
     seconds: float
     evaluations: int
+    converged: bool
 
     @property
     def material(self) -> Material:
@@ -78,8 +83,13 @@ def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
     Raises
     ------
     gonio.errors.BadInputError
-        For an unknown name, samples that are not finite, or fewer values than parameters.
+        For an unknown name, samples that are not finite, neither one channel nor three, or fewer
+        values than parameters.
     """
+    # before the clock starts, else the first fit would be charged for the import
+    import scipy.optimize
+    import scipy.stats  # noqa: F401
+
     family = model_named(name)
     samples.check()
     problem = _Problem(family, samples)
@@ -91,7 +101,7 @@ def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
     if len(few.values) < len(problem.values):
         best = problem.solve(best.x[: len(family.shape)])
     evaluations = few.evaluations + (problem.evaluations if problem is not few else 0)
-    return problem.fit_of(best.x, perf_counter() - began, evaluations)
+    return problem.fit_of(best, perf_counter() - began, evaluations)
 
 
 def _starts(family: Family, rng: np.random.Generator) -> Floats:
@@ -107,6 +117,11 @@ class _Problem:
     """Samples and a model; what the solver moves are places in the box, then logs of colors."""
 
     def __init__(self, family: Family, samples: Samples) -> None:
+        if samples.value.shape[1] not in (1, 3):
+            raise BadInputError(
+                f"the samples have {samples.value.shape[1]} channels; a model is fitted to one or "
+                "to three, so select them"
+            )
         above = (samples.light[:, 2] > HORIZON) & (samples.view[:, 2] > HORIZON)
         self._family = family
         self._pairs = Pairs.of(samples.light[above], samples.view[above])
@@ -127,8 +142,7 @@ class _Problem:
         if len(self.values) <= _FEW:
             return self
         chosen = np.sort(rng.permutation(len(self.values))[:_FEW])
-        smaller = object.__new__(_Problem)
-        smaller.__dict__ |= self.__dict__
+        smaller = copy(self)
         smaller._pairs = Pairs(*(getattr(self._pairs, part)[chosen] for part in _PAIR_PARTS))
         smaller.values, smaller._goal = self.values[chosen], self._goal[chosen]
         return smaller
@@ -148,16 +162,17 @@ class _Problem:
         )
         return least_squares(
             self._residual, start, self._jacobian, bounds, loss="soft_l1", f_scale=_ROBUST,
-            max_nfev=60, xtol=1e-6, ftol=1e-6,
+            max_nfev=_STEPS, xtol=1e-6, ftol=1e-6,
         )  # fmt: skip
 
-    def fit_of(self, x: Floats, seconds: float, evaluations: int) -> Fit:
+    def fit_of(self, result: Any, seconds: float, evaluations: int) -> Fit:
         """Return what the solver's answer means."""
-        place, colors = self._split(x)
+        place, colors = self._split(result.x)
         shape = {each.name: each.at(at) for each, at in zip(self._family.shape, place, strict=True)}
-        residual = float(np.median(np.abs(self._residual(x))))
+        residual = float(np.median(np.abs(self._residual(result.x))))
         colors = np.broadcast_to(colors, (len(colors), 3)).copy()
-        return Fit(self._family, shape, colors, residual, seconds, evaluations)
+        converged = bool(result.status > 0)
+        return Fit(self._family, shape, colors, residual, seconds, evaluations, converged)
 
     def _split(self, x: Floats) -> tuple[Floats, Floats]:
         count = len(self._family.shape)
@@ -199,7 +214,7 @@ class _Problem:
 
     def _along(self, place: Floats, index: int, terms: Floats, colors: Floats) -> Floats:
         """Return the change of the values with one place, by a difference that stays inside."""
-        step = -_STEP if place[index] > 0.5 else _STEP
+        step = -_DIFFERENCE if place[index] > 0.5 else _DIFFERENCE
         moved = place.copy()
         moved[index] += step
         return np.asarray((self._terms(moved) - terms) @ colors / step)

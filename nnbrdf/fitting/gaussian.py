@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nnbrdf.analytic.diffuse import COAT_SCALE, passed_by_coat
 from nnbrdf.fitting.diffuse import lambert_term
 from nnbrdf.fitting.family import Family, Parameter
 from nnbrdf.fitting.lobes import EXPONENT, PHI
@@ -52,12 +53,8 @@ def _ashikhmin_shirley(pairs: Pairs, shape: Floats) -> Floats:
     scale = np.sqrt((n_u + 1.0) * (n_v + 1.0)) / (8.0 * np.pi)
     under = pairs.light_half * np.maximum(pairs.light_z, pairs.view_z)
     lobe = scale * half[:, 2] ** exponent / under * schlick_term(pairs, f0)
-    body = 28.0 / (23.0 * np.pi) * _passed(pairs.light_z) * _passed(pairs.view_z)
+    body = COAT_SCALE * passed_by_coat(pairs.light_z) * passed_by_coat(pairs.view_z)
     return np.stack([body, lobe], axis=1)
-
-
-def _passed(cosine: Floats) -> Floats:
-    return np.asarray(1.0 - (1.0 - cosine / 2.0) ** 5)
 
 
 def _edwards(pairs: Pairs, shape: Floats) -> Floats:
@@ -93,7 +90,7 @@ WARD = Family(
     (ALPHA_X, ALPHA_Y, PHI),
     _TERMS,
     _ward,
-    bounded=False,  # it grows without limit at grazing angles
+    bounded=False,  # wide lobes: as 1 / sqrt(cos) of the light, in the last tenth of a degree
 )
 WARD_BOUNDED = Family(
     "ward-bounded",
@@ -116,8 +113,8 @@ ASHIKHMIN_SHIRLEY = Family(
 )
 EDWARDS = Family(
     "edwards",
-    "after Edwards et al. (2006), The halfway vector disk for BRDF modeling; made reciprocal by the"
-    " larger cosine of Ashikhmin and Shirley (2000)",
+    "after Edwards et al. (2006), The halfway vector disk for BRDF modeling, by orthogonal instead"
+    " of scaling projection; reciprocal by the larger cosine of Ashikhmin and Shirley (2000)",
     (EXPONENT, F0),
     _TERMS,
     _edwards,
@@ -133,5 +130,5 @@ SCHLICK = Family(
     ),
     _TERMS,
     _schlick,
-    bounded=False,  # what its shadows spread anew is too much at grazing angles, up to 13 %
+    bounded=False,  # its shadowing is too weak for its facets at grazing angles
 )

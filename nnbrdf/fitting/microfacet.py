@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nnbrdf.analytic.ggx import ggx_lobe
 from nnbrdf.fitting.diffuse import lambert_term
 from nnbrdf.fitting.family import Family, Parameter
 from nnbrdf.fitting.gaussian import ALPHA_X, ALPHA_Y, F0, schlick_term
@@ -39,29 +40,19 @@ def _torrance_sparrow(pairs: Pairs, shape: Floats) -> Floats:
     return np.stack([lambert_term(pairs), lobe * schlick_term(pairs, f0)], axis=1)
 
 
-def ggx_lobe(pairs: Pairs, alpha_x: float, alpha_y: float) -> Floats:
-    """Return D G / (4 cos cos), shape (n,): Walter et al. (2007), Heitz (2014), eqs 85 and 99."""
-    stretch = np.array([alpha_x, alpha_y, 1.0])
-    slope = np.square(pairs.half / stretch).sum(axis=1)
-    light = np.linalg.norm(pairs.light * stretch, axis=1)
-    view = np.linalg.norm(pairs.view * stretch, axis=1)
-    # written so that nothing is divided by one small cosine
-    visible = 0.5 / (pairs.light_z * view + pairs.view_z * light)
-    return np.asarray(visible / (np.pi * alpha_x * alpha_y * slope**2))
-
-
 def _ggx(pairs: Pairs, shape: Floats) -> Floats:
     alpha_x, alpha_y, f0, phi = shape
-    lobe = ggx_lobe(pairs.turned(phi), alpha_x, alpha_y) * schlick_term(pairs, f0)
-    return np.stack([lambert_term(pairs), lobe], axis=1)
+    return _with_ggx_lobes(pairs, f0, phi, (alpha_x, alpha_y))
 
 
 def _ggx_two(pairs: Pairs, shape: Floats) -> Floats:
-    alpha_x, alpha_y, other_x, other_y, f0, phi = shape
+    alpha_x, alpha_y, second_x, second_y, f0, phi = shape
+    return _with_ggx_lobes(pairs, f0, phi, (alpha_x, alpha_y), (second_x, second_y))
+
+
+def _with_ggx_lobes(pairs: Pairs, f0: float, phi: float, *alphas: tuple[float, float]) -> Floats:
     turned, fresnel = pairs.turned(phi), schlick_term(pairs, f0)
-    lobes = [
-        ggx_lobe(turned, *alphas) * fresnel for alphas in ((alpha_x, alpha_y), (other_x, other_y))
-    ]
+    lobes = [ggx_lobe(turned.light, turned.view, turned.half, *each) * fresnel for each in alphas]
     return np.stack([lambert_term(pairs), *lobes], axis=1)
 
 
@@ -77,8 +68,7 @@ TORRANCE_SPARROW = Family(
     "Torrance and Sparrow (1967): Gaussian facets, V-shaped grooves",
     (Parameter("width", "rad", 0.02, 1.0, spread_by_ratio=True), F0),
     ("diffuse", "specular"),
-    _torrance_sparrow,
-    bounded=False,  # its Gaussian is not normalized over the hemisphere
+    _torrance_sparrow,  # bounded: its Gaussian's projected area is below 1, as sin cos < angle
 )
 GGX = Family(
     "ggx",
@@ -89,15 +79,15 @@ GGX = Family(
 )
 GGX_TWO_LOBES = Family(
     "ggx-two-lobes",
-    "Walter et al. (2007) and Heitz (2014), a sharp and a wide lobe of one grain",
+    "Walter et al. (2007) and Heitz (2014), two lobes of one grain, in either order",
     (
         ALPHA_X,
         ALPHA_Y,
-        Parameter("wide_alpha_x", "1", 0.02, 1.0, spread_by_ratio=True),
-        Parameter("wide_alpha_y", "1", 0.02, 1.0, spread_by_ratio=True),
+        Parameter("second_alpha_x", "1", 0.02, 1.0, spread_by_ratio=True),
+        Parameter("second_alpha_y", "1", 0.02, 1.0, spread_by_ratio=True),
         F0,
         PHI,
     ),
-    ("diffuse", "sharp", "wide"),
+    ("diffuse", "first", "second"),
     _ggx_two,
 )
