@@ -154,15 +154,23 @@ def test_values_that_are_not_finite():
         fit_model("ggx", Samples.from_values(light, view, values))
 
 
+MEASURED = [
+    ("rgl_satin_rosaline", "lambert", 0.204),
+    ("rgl_satin_rosaline", "ggx", 0.112),
+    ("rgl_satin_rosaline", "ggx-two-lobes", 0.108),
+    ("ubo2014_felt05", "lambert", 0.332),
+    ("ubo2014_felt05", "ggx", 0.114),
+    ("ubo2014_felt05", "schlick", 0.131),
+]
+
+
 @pytest.mark.measured
-def test_a_measured_material(measured):
-    table = MeasuredTable.load(measured / "rgl_satin_rosaline.npz")
+@pytest.mark.parametrize(("material", "name", "expected"), MEASURED)
+def test_measured_materials(measured, material, name, expected):
+    table = MeasuredTable.load(measured / f"{material}.npz")
     grid = paper_directions()
     light, view = np.repeat(grid, 81, axis=0), np.tile(grid, (81, 1))
-    samples = Samples.from_values(light, view, table.values.reshape(-1, 3))
-    found = {}
-    for name in ("lambert", "ggx"):
-        material = fit_model(name, samples).material
-        found[name] = male(material.evaluate(grid[:, None], grid[None]), table.values, table.white)
-    assert found["ggx"] == pytest.approx(0.112, abs=0.005)
-    assert found["lambert"] == pytest.approx(0.204, abs=0.005)
+    fit = fit_model(name, Samples.from_values(light, view, table.values.reshape(-1, 3)))
+    found = fit.material.evaluate(grid[:, None], grid[None])
+    assert male(found, table.values, table.white) == pytest.approx(expected, abs=0.002)
+    assert fit.converged

@@ -208,6 +208,28 @@ def test_limits(first, second):
     assert same(first, second)
 
 
+GRAINED = {
+    "lafortune": ([-0.9, 0.4, 0.8, 8.0], (0, 1)),
+    "ward": ([0.2, 0.5], (0, 1)),
+    "ward-bounded": ([0.2, 0.5], (0, 1)),
+    "ashikhmin-shirley": ([20.0, 90.0, 0.1], (0, 1)),
+    "ggx": ([0.2, 0.5, 0.1], (0, 1)),
+    "ggx-two-lobes": ([0.2, 0.5, 0.7, 0.3, 0.1], (0, 1), (2, 3)),
+}
+
+
+@pytest.mark.parametrize("name", GRAINED)
+def test_axes_exchanged_are_a_quarter_turn(name):
+    shape, *axes = GRAINED[name]
+    exchanged = list(shape)
+    for x, y in axes:
+        exchanged[x], exchanged[y] = shape[y], shape[x]
+    colors = [0.2, 0.5, 0.3][: len(MODELS[name].terms)]
+    one = with_shape(name, [*shape, 0.3], colors)
+    assert same(one, with_shape(name, [*exchanged, 0.3 + np.pi / 2], colors))
+    assert not same(one, with_shape(name, [*exchanged, 0.3], colors))
+
+
 def test_a_grain_is_felt():
     assert not same(
         with_shape("ggx", [0.1, 0.5, 0.1, 0.0], [0.2, 0.5]),
