@@ -63,7 +63,10 @@ class Shot(Document):
 
 
 class Selection(Document):
-    """How the shots were chosen."""
+    """How the shots were chosen.
+
+    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked.
+    """
 
     criterion: str
     candidates: str
@@ -71,6 +74,7 @@ class Selection(Document):
     lights: int = Field(ge=0)
     full_set: int = Field(ge=1)
     reciprocal_pairs: int = Field(ge=0)
+    variance_left: float | None = Field(default=None, ge=0)
     route: str
 
 

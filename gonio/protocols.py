@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,4 +64,43 @@ class Estimator(Protocol):
         ------
         gonio.errors.BadInputError
             When the samples are too few or not usable.
+        """
+
+
+class PriorKind(NamedTuple):
+    """One kind of material that a sample may be, as far as choosing pairs is concerned.
+
+    Attributes
+    ----------
+    name
+        Such as `isotropic`.
+    share
+        How much it counts; the shares of all kinds add up to one.
+    factor
+        Covariance of ln(BRDF) at the pairs that differ in this kind, as factor @ factor.T,
+        shape (distinct, rank).
+    which
+        Which of these each pair is, shape (n,): pairs that symmetry makes equal are one.
+    """
+
+    name: str
+    share: float
+    factor: NDArray[np.float64]
+    which: NDArray[np.int64]
+
+
+class Prior(Protocol):
+    """What is believed of a material before it is measured."""
+
+    def kinds(
+        self, light: NDArray[np.float64], view: NDArray[np.float64], rank: int
+    ) -> list[PriorKind]:
+        """Return the covariance of each kind at pairs, without the dense matrix of all.
+
+        Parameters
+        ----------
+        light, view
+            Unit vectors away from the sample, shape (n, 3).
+        rank
+            Columns of the factors at most.
         """

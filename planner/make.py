@@ -17,8 +17,11 @@ from planner.reach import apart, refuse_keep_out, within_travel
 from planner.route import plan_route
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
+    from gonio.protocols import Prior
     from gonio.rig import Rig
     from planner.candidates import Candidates
     from planner.density import Density
@@ -32,6 +35,8 @@ def make_plan(
     views: Density = "sixth",
     lights: Density = "sixth",
     criterion: str = "farthest",
+    shots: int | None = None,
+    prior: Callable[[], Prior] | None = None,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
@@ -45,6 +50,10 @@ def make_plan(
         `all`, `sixth`, or a number of directions (see `planner.density`).
     criterion
         How directions are chosen, by name (see `planner.criteria`).
+    shots
+        Choose so many pairs freely, rather than all pairs of some views and lights.
+    prior
+        Makes what is believed of the material, for criteria that ask.
 
     Raises
     ------
@@ -56,14 +65,28 @@ def make_plan(
     reach = np.outer(
         within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
     )
-    chosen = _choose(candidates, reach, views, lights, criterion)
-    measured = chosen & apart(candidates, rig)
+    allowed = reach & apart(candidates, rig)
+    if not allowed.any():
+        raise BadInputError(
+            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
+            "correct it in the rig file"
+        )
+    judge = criterion_named(criterion, candidates.directions, prior)
+    if shots is not None:
+        choice = judge.pairs(allowed, _checked_shots(shots, int(allowed.sum())))
+    else:
+        choice = judge.product(
+            allowed,
+            count_of(views, len(candidates), int(reach.any(axis=0).sum()), "view"),
+            count_of(lights, len(candidates), int(reach.any(axis=1).sum()), "light"),
+        )
+    measured = choice.measured & allowed
     if not measured.any():
         raise BadInputError(
-            f"all {chosen.sum()} chosen pairs are closer than arm.min_separation_deg "
+            f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
             f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
         )
-    shots, method = _in_order(candidates, measured, rig)
+    ordered, method = _in_order(candidates, measured, rig)
     selection = Selection(
         criterion=criterion,
         candidates=candidates.name,
@@ -71,35 +94,22 @@ def make_plan(
         lights=int(measured.any(axis=1).sum()),
         full_set=measured.size,
         reciprocal_pairs=reciprocal_pairs(measured),
+        variance_left=choice.variance_left,
         route=method,
     )
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, chosen, measured, rig),
-        estimates=estimate(shots, rig),
-        shots=shots,
+        left_out=_left_out(reach, choice.measured, measured, rig),
+        estimates=estimate(ordered, rig),
+        shots=ordered,
     )
 
 
-def _choose(
-    candidates: Candidates,
-    reach: NDArray[np.bool_],
-    views: Density,
-    lights: Density,
-    criterion: str,
-) -> NDArray[np.bool_]:
-    """Return the product of chosen lights and views among those in reach, (n, n) as `reach`."""
-    light_reach, view_reach = np.flatnonzero(reach.any(axis=1)), np.flatnonzero(reach.any(axis=0))
-    choice = criterion_named(criterion).choose(
-        candidates.directions[view_reach],
-        candidates.directions[light_reach],
-        count_of(views, len(candidates), len(view_reach), "view"),
-        count_of(lights, len(candidates), len(light_reach), "light"),
-    )
-    chosen = np.zeros_like(reach)
-    chosen[np.ix_(light_reach[choice.lights], view_reach[choice.views])] = True
-    return chosen
+def _checked_shots(shots: int, most: int) -> int:
+    if not 1 <= shots <= most:
+        raise BadInputError(f"shots is {shots}; give 1 to {most}, all pairs that the rig can take")
+    return shots
 
 
 def _in_order(

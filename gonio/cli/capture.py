@@ -169,13 +169,14 @@ def _created(
 def _plan_for(path: Path | None, rig: Rig) -> Plan:
     """Return the plan asked for, or plan.json, or a fresh `sixth`."""
     from gonio.plan import Plan
+    from nnbrdf.prior import MaterialPrior
     from planner.make import make_plan
 
     found = path or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
     if found is not None:
         return Plan.load(found)
     click.echo("no plan.json here, so this measures density sixth (see gonio plan --help)")
-    return make_plan(rig)
+    return make_plan(rig, criterion="i-optimal", prior=MaterialPrior.generate)
 
 
 def _measure(session: Session, settings: TwinSettings) -> None:

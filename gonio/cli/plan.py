@@ -31,9 +31,22 @@ if TYPE_CHECKING:
 @click.option(
     "--criterion",
     metavar="NAME",
-    default="farthest",
+    default="i-optimal",
     show_default=True,
-    help="How directions are chosen. farthest: each as far as can be from those before it.",
+    help="How directions are chosen. i-optimal: those that leave the least variance of a material "
+    "of the prior, over all pairs. farthest: each as far as can be from those before it.",
+)
+@click.option(
+    "--shots",
+    type=int,
+    metavar="N",
+    help="Choose N pairs freely, rather than all pairs of some views and lights.",
+)
+@click.option(
+    "--prior",
+    "prior_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="What materials look like (see gonio prior).  [default: generated ones]",
 )
 @click.option(
     "--rig", "rig_path", type=click.Path(path_type=Path), help="A rig file.  [default: built in]"
@@ -58,6 +71,8 @@ def command(
     views: str | None,
     lights: str | None,
     criterion: str,
+    shots: int | None,
+    prior_path: Path | None,
     rig_path: Path | None,
     output: Path,
     plot: Path | None,
@@ -67,16 +82,20 @@ def command(
     \b
     Examples:
         gonio plan                               14 views x 14 lights, 3 % of the full set
+        gonio plan --shots 64                    64 pairs, each for what it adds to the others
         gonio plan --density va-is               all views, a sixth of the lights
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --rig rig.toml --plot directions.png
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
     from nnbrdf.estimators import MIN_SAMPLES
     from planner.density import split_density
     from planner.make import make_plan
 
+    if shots is not None and (views or lights):
+        raise BadInputError("--shots chooses pairs freely; leave out --views and --lights")
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
@@ -85,6 +104,8 @@ def command(
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
+        shots=shots,
+        prior=lambda: material_prior(prior_path),
     )
     plan.save(output)
     _print_table(plan)
@@ -115,6 +136,8 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     yield "lights", str(selection.lights)
     yield "shots", f"{shots}, {shots / selection.full_set:.1%} of the full set"
     yield "measured both ways", f"{selection.reciprocal_pairs} pairs, by reciprocity"
+    if selection.variance_left is not None:
+        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
     yield "estimated time", duration(estimates.total_s)

@@ -71,7 +71,7 @@ def test_densities_that_are_none(views, lights, says):
 
 
 def test_an_unknown_criterion_lists_the_known():
-    with pytest.raises(BadInputError, match="'best' is not known; use farthest"):
+    with pytest.raises(BadInputError, match="'best' is not known; use i-optimal, farthest"):
         make_plan(RIG, criterion="best")
 
 
@@ -141,7 +141,7 @@ TRAVEL = [
     ({"axis__view_theta__max_deg": 1.0}, "sixth", "view_theta and view_phi reaches 1 of 81"),
     ({"axis__light_theta__min_deg": 80.0}, 1, "none of the 81 .* light_theta and light_phi"),
     ({"axis__light_phi__min_deg": 359.0}, 1, "none of the 81 .* light_theta and light_phi"),
-    ({"arm__min_separation_deg": 179.0}, 14, "all 196 chosen pairs are closer than"),
+    ({"arm__min_separation_deg": 179.0}, 14, "all pairs are closer than"),
     (
         {"arm__keep_out": [{"min_mm": (0, 0, 0), "max_mm": (1, 1, 1)}]},
         14,

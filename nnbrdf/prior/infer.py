@@ -1,0 +1,107 @@
+"""From samples to the posterior: scale, noise, clipped highlights, gross outliers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.samples import WHITE_PER_MEDIAN, Flag
+from nnbrdf.prior.family import OFFSET, grid_pairs
+from nnbrdf.prior.geometry import Pairs
+from nnbrdf.prior.lognormal import LogNormal
+from nnbrdf.prior.posterior import Posterior, Sites
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gonio.samples import Samples
+    from nnbrdf.prior.material_prior import MaterialPrior
+
+    Array = NDArray[np.float64]
+
+_IGNORED = 1e4
+_OUTLIER = 6.0
+_ROUNDS = 3
+_SPREAD = (1.0, 2.0)
+_Z90 = 1.6448536269514722
+
+
+@dataclass(frozen=True)
+class Inference:
+    """What samples make of the prior.
+
+    Attributes
+    ----------
+    posterior
+        Of ln(value / scale + 0.01).
+    scale
+        4 x the median of the material over the 81 x 81 grid, as far as it is known, in 1/sr.
+    inflation
+        Factor on the posterior's deviations, told from each sample left out in turn.
+    outliers
+        Which samples contradict all others and were left out, shape (n,).
+    bounds
+        Which samples are clipped and lie below what the others say: lower bounds, left out.
+    """
+
+    posterior: Posterior
+    scale: float
+    inflation: float
+    outliers: NDArray[np.bool_]
+    bounds: NDArray[np.bool_]
+
+    def predict(self, light: Array, view: Array) -> LogNormal:
+        """Return the posterior at unit vectors of shape (n, 3)."""
+        mean, deviation = self.posterior.predict(Pairs.of(light, view))
+        return LogNormal(mean, self.inflation * deviation, self.scale)
+
+
+def infer(prior: MaterialPrior, samples: Samples) -> Inference:
+    """Condition the prior on samples.
+
+    Values below zero count as zero. Clipped values that lie below what the others say are lower
+    bounds and tell nothing more; a sample that six deviations of its own prediction cannot reach
+    is an outlier, and is left out as well.
+    """
+    sites = Sites(prior.families, Pairs.of(samples.light, samples.view))
+    scale, ignored = samples.white, np.zeros(len(samples), bool)
+    clipped = (samples.flag & Flag.CLIPPED).astype(bool).any(axis=1)
+    outliers = bounds = ignored
+    for round_ in range(_ROUNDS):
+        log = np.log(samples.value.clip(0.0) / scale + OFFSET)
+        noise = np.where(ignored, _IGNORED, _noise(samples, scale))
+        posterior = sites.condition(log, noise)
+        if round_ == _ROUNDS - 1:
+            break
+        residual, variance = posterior.best.leave_one_out(log)
+        own = noise + posterior.best.settings.noise
+        against = residual.mean(axis=1)
+        bounds = clipped & (against < 0)
+        outliers = ~clipped & (
+            np.abs(against) > _OUTLIER * np.sqrt((variance - own).clip(0) + own.clip(max=0.1))
+        )
+        ignored = bounds | outliers
+        scale = _scale(posterior, scale)
+    return Inference(posterior, scale, _inflation(posterior, log, ignored), outliers, bounds)
+
+
+def _noise(samples: Samples, scale: float) -> Array:
+    """Return the variance of the logarithm by the samples' own sigma, shape (n,); 0 if unknown."""
+    relative = samples.sigma / (samples.value.clip(0.0) + OFFSET * scale)
+    variance = np.nan_to_num(relative, nan=0.0).clip(max=10.0) ** 2
+    return np.asarray(variance.mean(axis=1))
+
+
+def _scale(posterior: Posterior, scale: float) -> float:
+    """Return 4 x the median told of the grid, from every twentieth of its pairs."""
+    mean, _ = posterior.predict(grid_pairs().part(slice(None, None, 20)))
+    return WHITE_PER_MEDIAN * scale * float((np.exp(np.median(mean)) - OFFSET).clip(OFFSET / 10))
+
+
+def _inflation(posterior: Posterior, log: Array, ignored: NDArray[np.bool_]) -> float:
+    """Return by how much residuals of samples left out in turn pass what was expected of them."""
+    residual, variance = posterior.best.leave_one_out(log)
+    scores = np.abs(residual / np.sqrt(variance)[:, None])[~ignored]
+    return float(np.clip(np.quantile(scores, 0.9) / _Z90, *_SPREAD))
