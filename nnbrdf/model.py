@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from gonio.errors import StorageError
-from gonio.files import move_into, write_json, write_with
+from gonio.files import write_json
 from nnbrdf.card import CARD_NAME, Card, read_card
-from nnbrdf.ensemble import Ensemble, grid_pairs
-from nnbrdf.history import FILE_NAME as HISTORY_NAME
-from nnbrdf.history import History
-from nnbrdf.weights import WEIGHTS_NAME, read_weights, write_weights
+from nnbrdf.ensemble import Ensemble
+from nnbrdf.folder import grid_of, in_chunks, save_model, write_grid
+from nnbrdf.weights import read_weights, write_weights
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    import numpy as np
     from numpy.typing import NDArray
 
+    from nnbrdf.history import History
     from nnbrdf.network import Networks
 
-    Pairwise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
-
-GRID_NAME = "grid.npz"
-_CHUNK = 1 << 12
 _UPPER = 0.95
 
 
@@ -58,7 +49,7 @@ class NNBRDF:
         channel is repeated three times. What was above white in training counts as white.
         """
         delivered = self._ensemble.member(self.card.delivered)
-        return _in_chunks(lambda *pairs: delivered.predict(*pairs)[0].clip(0.0), light, view)
+        return in_chunks(lambda *pairs: delivered.predict(*pairs)[0].clip(0.0), light, view)
 
     def sigma(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the standard deviation of the members' predictions in 1/sr, shape (..., 3).
@@ -66,7 +57,7 @@ class NNBRDF:
         It is taken before they are clipped at zero: where all of them are, none is sure.
         """
         ensemble = self._ensemble
-        return _in_chunks(lambda *pairs: ensemble.predict(*pairs).std(0, ddof=1), light, view)
+        return in_chunks(lambda *pairs: ensemble.predict(*pairs).std(0, ddof=1), light, view)
 
     def quantiles(
         self, light: NDArray[np.float64], view: NDArray[np.float64]
@@ -83,36 +74,19 @@ class NNBRDF:
 
     def grid(self) -> dict[str, NDArray[np.float32]]:
         """Return `values`, `sigma`, `lo` and `hi` on the 81 x 81 grid, shape (81, 81, 3) each."""
-        light, view = grid_pairs()
-        lo, hi = self.quantiles(light, view)
-        arrays = {
-            "values": self.evaluate(light, view), "sigma": self.sigma(light, view),
-            "lo": lo, "hi": hi,
-        }  # fmt: skip
-        return {name: array.astype(np.float32) for name, array in arrays.items()}
+        return grid_of(self)
 
     def save(self, folder: Path | str) -> None:
         """Write `weights.safetensors`, `model.json`, `grid.npz` and, with a history, `history.npz`.
 
-        The same samples give the same bytes of the first three. Everything is written aside before
-        an older model is touched. While the files are exchanged there is no `model.json`, so a
-        folder holds a whole model or none.
+        The same samples give the same bytes of the first three (see `nnbrdf.folder.save_model`).
 
         Raises
         ------
         gonio.errors.StorageError
             When the operating system refuses; an older model is then as it was.
         """
-        folder = Path(folder).resolve()
-        aside = folder.parent / f".{folder.name}.part"
-        shutil.rmtree(aside, ignore_errors=True)
-        try:
-            self._write(aside)
-            _exchange(aside, folder)
-        except OSError as error:
-            raise StorageError.from_os(folder, error) from error
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
+        save_model(folder, self._write)
 
     @classmethod
     def load(cls, folder: Path | str) -> NNBRDF:
@@ -133,34 +107,7 @@ class NNBRDF:
 
     def _write(self, folder: Path) -> None:
         write_weights(folder, self.networks)
-        write_with(folder / GRID_NAME, lambda path: _write_npz(path, self.grid()))
+        write_grid(folder, self.grid())
         if self.history is not None:
             self.history.save(folder)
         write_json(folder / CARD_NAME, self.card.model_dump(mode="json", by_alias=True))
-
-
-def _exchange(aside: Path, folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in (CARD_NAME, HISTORY_NAME):
-        (folder / name).unlink(missing_ok=True)
-    for name in (WEIGHTS_NAME, GRID_NAME, HISTORY_NAME, CARD_NAME):
-        if (aside / name).exists():
-            move_into(aside / name, folder / name)
-
-
-def _write_npz(path: Path, arrays: dict[str, Any]) -> None:
-    with path.open("wb") as file:
-        np.savez(file, **arrays)
-
-
-def _in_chunks(
-    function: Pairwise, light: NDArray[np.float64], view: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Apply `function` to a bounded number of pairs at a time; a million do not fill the memory."""
-    light, view = np.broadcast_arrays(np.asarray(light, float), np.asarray(view, float))
-    result = np.empty(light.shape)
-    flat, flat_light, flat_view = (array.reshape(-1, 3) for array in (result, light, view))
-    for start in range(0, len(flat), _CHUNK):
-        part = slice(start, start + _CHUNK)
-        flat[part] = function(flat_light[part], flat_view[part])
-    return result
