@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import signal
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
@@ -16,6 +17,8 @@ from gonio.errors import GonioError
 if TYPE_CHECKING:
     from types import FrameType
 
+# what a shell says of a program that SIGPIPE ended
+_NOBODY_READS = 141
 _REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
 
 # the short helps live here, so that `gonio --help` imports no command
@@ -50,16 +53,21 @@ def cli() -> None:
 
 
 def main() -> None:
-    """Run the command line; exit 2 for bad input, 3 for a device fault, 4 for a refused resume."""
+    """Run the command line; exit 2 for bad input, 3 for a device fault, 4 for a refused resume.
+
+    As in `gonio materials | head -3`, it ends quietly with 141 where nobody reads on.
+    """
     # a shutdown of the machine stops a capture as orderly as Ctrl-C does
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         cli.main(prog_name="gonio", standalone_mode=False)
+    except SystemExit:
+        # click and rich leave so, with 1, at a broken pipe; nothing else here does
+        sys.exit(_NOBODY_READS)
     except click.exceptions.Exit as exit_:
         sys.exit(exit_.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
-        error.show()
-        sys.exit(error.exit_code)
+        _end(error.format_message(), error.exit_code)
     except click.ClickException as error:
         _fail(error.format_message(), error.exit_code)
     except GonioError as error:
@@ -78,5 +86,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _fail(message: str, code: int) -> None:
-    click.echo(f"gonio: {' '.join(message.split())}", err=True)
+    _end(f"gonio: {' '.join(message.split())}", code)
+
+
+def _end(text: str, code: int) -> None:
+    # nobody may read this either; the code stands
+    with suppress(BrokenPipeError):
+        click.echo(text, err=True)
     sys.exit(code)

@@ -1,4 +1,5 @@
 import json
+import os
 import subprocess
 import sys
 from importlib import import_module
@@ -94,8 +95,7 @@ ENDINGS = [
         3,
         "gonio: x.json: Permission denied; check the folder, its permissions and space\n",
     ),
-    # as in gonio plan | head -1; click itself ends it
-    (BrokenPipeError(32, "Broken pipe"), 1, ""),
+    (BrokenPipeError(32, "Broken pipe"), 141, ""),
 ]
 
 
@@ -113,3 +113,23 @@ def test_errors_end_in_one_line_and_a_code(monkeypatch, capsys, error, code, pri
         _main.main()
     assert caught.value.code == code
     assert capsys.readouterr().err == printed
+
+
+UNREAD = {
+    "the help, which click prints": (("--help",), 141),
+    "a table, which rich prints": (("materials",), 141),
+    "the help of a group": ((), 2),
+    "a mistake": (("fly",), 2),
+}
+
+
+@pytest.mark.parametrize(("arguments", "code"), UNREAD.values(), ids=UNREAD)
+def test_where_nobody_reads_on_it_ends_quietly(arguments, code):
+    read, write = os.pipe()
+    os.close(read)
+    # mistakes are told to stderr, so that is what nobody reads then
+    quiet = {"stdout": write, "stderr": subprocess.PIPE} if code == 141 else {"stderr": write}
+    ran = subprocess.run([sys.executable, "-m", "gonio", *arguments], text=True, **quiet)
+    os.close(write)
+    assert ran.returncode == code
+    assert not ran.stderr
