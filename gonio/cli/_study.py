@@ -82,7 +82,7 @@ def read_setting(
 
 
 def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ...]:
-    """Split names at commas; all where there is no text.
+    """Split names at commas, in small letters or capitals; all where there is no text.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ..
     """
     if text is None:
         return tuple(known)
-    names = tuple(name.strip() for name in text.split(","))
+    names = tuple(name.strip() for name in text.lower().split(","))
     for name in names:
         if name not in known:
             raise BadInputError(f"{what} {name!r} is not known; use {', '.join(known)}")

@@ -33,6 +33,14 @@ def test_activations(gonio, tmp_path):
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
+def test_names_may_be_written_in_capitals(gonio, tmp_path):
+    ran = gonio("study", "activations", "satin", "--subsets", "VS-IS", "--seeds", "1", "--steps",
+                "5", "--activations", "SoftSign", "--networks", "3-6-4")  # fmt: skip
+    assert (ran.returncode, ran.stderr) == (0, "")
+    (training,) = lines(tmp_path / "study" / "results.csv")
+    assert (training["subset"], training["activation"]) == ("vs-is", "softsign")
+
+
 @pytest.mark.parametrize("name", ["encodings", "topology", "targets"])
 def test_the_other_studies(gonio, tmp_path, name):
     few = {"encodings": ("--networks", "4"), "topology": (), "targets": ("--activations", "relu")}
