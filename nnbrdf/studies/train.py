@@ -60,7 +60,7 @@ def carry_out(job: Job, truth: Truth, subsets: Mapping[str, NDArray[np.int64]]) 
         Pairs by name, as indices of the flattened 81 x 81 grid.
     """
     inputs, pairs = _grid_inputs(job.encoding), subsets[job.subset]
-    # a light's values over one and the same white, the scale of the targets at their top
+    # the BRDF, in 1/sr, that a target of 1 stands for: the job's white becomes a target of `top`
     unit = truth.white * job.white_scale / job.top
     targets = np.clip(truth.values.reshape(-1, 3)[pairs] / unit, 0.0, job.top)
     running = _start(job, inputs[pairs], targets)
