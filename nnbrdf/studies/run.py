@@ -50,21 +50,25 @@ def run_jobs(
 
     Raises
     ------
+    gonio.errors.BadFileError
+        When a line of `results.jsonl` is no outcome.
+    gonio.errors.BadInputError
+        When another process carries out a study in this folder.
     gonio.errors.StorageError
         When an outcome cannot be written.
     """
-    known = read_results(folder)
     # settings may share a training: once is enough
     different = {job.key: job for job in jobs}
-    wanted = sorted(
-        (job for key, job in different.items() if key not in known), key=lambda job: -job.steps
-    )
     total = sum(job.steps for job in different.values())
-    done = total - sum(job.steps for job in wanted)
+    # what is known is read once nobody else writes here
     with appending(folder) as append, ThreadPoolExecutor(cores()) as pool:
-        running = {
-            pool.submit(carry_out, job, truths[job.material], subsets): job for job in wanted
-        }
+        known = read_results(folder)
+        wanted = [job for key, job in different.items() if key not in known]
+        done = total - sum(job.steps for job in wanted)
+        running = [
+            pool.submit(carry_out, job, truths[job.material], subsets)
+            for job in sorted(wanted, key=lambda job: -job.steps)
+        ]
         try:
             for future in as_completed(running):
                 outcome = future.result()

@@ -86,8 +86,6 @@ def _parse(path: Path, number: int, line: str) -> Outcome:
 
 
 def _drop_cut_line(path: Path) -> None:
-    if not path.exists():
-        return
     with path.open("rb+") as file:
         content = file.read()
         file.truncate(content.rfind(b"\n") + 1)

@@ -1,6 +1,7 @@
 """Jobs, their store and their tables; what a training is, test_training says."""
 
 import json
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -98,6 +99,27 @@ def test_what_is_there_is_not_trained_again(tmp_path, monkeypatch):
     again = run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
     assert len(trained) == 1
     assert {outcome.job.key for outcome in again} == {job.key for job in jobs}
+
+
+def test_what_another_study_finished_just_before_is_not_trained_again(tmp_path, monkeypatch):
+    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    trained = []
+
+    @contextmanager
+    def after_another(folder):
+        with appending(folder) as append:
+            append(replace(an_outcome(1.0), job=jobs[0]))
+        with appending(folder) as append:
+            yield append
+
+    def remember(job, *_):
+        trained.append(job)
+        return replace(an_outcome(2.0), job=job)
+
+    monkeypatch.setattr(run, "appending", after_another)
+    monkeypatch.setattr(run, "carry_out", remember)
+    run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
+    assert {job.key for job in trained} == {job.key for job in jobs[1:]}
 
 
 def test_what_two_settings_share_is_trained_once(tmp_path):
