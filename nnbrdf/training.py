@@ -148,6 +148,21 @@ def train(
     return checkpoints
 
 
+def losses(outputs: NDArray[Any], targets: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the mean absolute error of each member in double precision, shape (members,).
+
+    Parameters
+    ----------
+    outputs
+        Shape (members, n, outputs); a member that diverged may have any, and its error is then
+        not finite.
+    targets
+        Shape (n, outputs), or one for each member.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(np.abs(outputs.astype(np.float64) - targets).mean(axis=(1, 2)))
+
+
 def epoch_steps(samples: int) -> int:
     """Return the steps of one epoch: batches of 32, the last partial one kept."""
     return -(-samples // BATCH)
@@ -165,6 +180,5 @@ def _checkpoint(
     step: int,
     seconds: float,
 ) -> Checkpoint:
-    residual = running.predict(inputs).astype(np.float64) - targets
-    loss = np.abs(residual).mean(axis=(1, 2))
+    loss = losses(running.predict(inputs), targets)
     return Checkpoint(step, seconds, loss, running.networks(), running.diverged)

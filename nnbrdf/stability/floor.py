@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nnbrdf.network import glorot_uniform
-from nnbrdf.training import make_trainer
+from nnbrdf.training import losses, make_trainer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,12 +35,11 @@ def loss_floor(
         How long to train.
     """
     sizes = (inputs.shape[1], 15, 30, 20, targets.shape[1])
-    losses = []
+    ends = []
     for rate in rates:
         generators = [np.random.default_rng(seed) for seed in range(SEEDS)]
         networks = glorot_uniform(sizes, generators)
         running = make_trainer(networks, inputs, targets, range(SEEDS), rate=rate)
         running.run(steps)
-        said = running.predict(inputs).astype(np.float64)
-        losses.append(float(np.median(np.abs(said - targets).mean(axis=(1, 2)))))
-    return losses
+        ends.append(float(np.median(losses(running.predict(inputs), targets))))
+    return ends

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nnbrdf.network import Networks, glorot_uniform
-from nnbrdf.training import checkpoint_steps, make_trainer
+from nnbrdf.training import checkpoint_steps, losses, make_trainer
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from nnbrdf.training import Trainer
 
 SEEDS = 20
 
@@ -60,13 +58,6 @@ def drift(
         for each in both:
             each.run(stop - done)
         done = stop
-        said = [each.predict(inputs).astype(np.float64) for each in both]
-        apart.append(float(np.median(np.abs(said[0] - said[1]).mean(axis=(1, 2)))))
-    return Drift(stops, apart, np.stack([_losses(each, inputs, targets) for each in both]))
-
-
-def _losses(
-    running: Trainer, inputs: NDArray[np.float64], targets: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    said = running.predict(inputs).astype(np.float64)
-    return np.asarray(np.abs(said - targets).mean(axis=(1, 2)))
+        said = [each.predict(inputs) for each in both]
+        apart.append(float(np.median(losses(*said))))
+    return Drift(stops, apart, np.stack([losses(each, targets) for each in said]))

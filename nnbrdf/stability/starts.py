@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nnbrdf.activations import activation_named
 from nnbrdf.batched import BatchedTrainer
 from nnbrdf.network import glorot_uniform
-from nnbrdf.training import RATE, make_trainer
+from nnbrdf.training import RATE, losses, make_trainer
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -74,7 +74,7 @@ def look_at_start(
     gradients = BatchedTrainer(networks, inputs, targets, range(SEEDS), RATE).gradient_size()
     running = make_trainer(networks, inputs, targets, range(SEEDS))
     running.run(steps)
-    last = _loss(running.predict(inputs), targets)
+    last = losses(running.predict(inputs), targets)
     constant = np.abs(targets - np.median(targets, axis=0)).mean()
     return Start(
         float(np.median(outputs)),
@@ -97,8 +97,3 @@ def dead_share(networks: Networks, inputs: NDArray[np.float64]) -> float:
         dead += int((spread < _SAME).sum())
         units += spread.size
     return dead / units
-
-
-def _loss(outputs: NDArray[Any], targets: NDArray[np.float64]) -> NDArray[np.float64]:
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.asarray(np.abs(outputs.astype(np.float64) - targets).mean(axis=(1, 2)))

@@ -7,7 +7,7 @@ import torch
 from gonio.errors import BadInputError
 from nnbrdf import fused
 from nnbrdf.network import Networks, glorot_uniform
-from nnbrdf.training import RATE, checkpoint_steps, epoch_steps, make_trainer, train
+from nnbrdf.training import RATE, checkpoint_steps, epoch_steps, losses, make_trainer, train
 
 SIZES = (6, 15, 30, 20, 3)
 TRAINERS = ["fused", "torch"] if fused.is_available() else ["torch"]
@@ -194,3 +194,10 @@ def test_the_number_of_torch_threads_is_as_before():
         assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)
+
+
+def test_losses_are_each_members_own_and_what_diverged_has_none():
+    outputs = np.array([[[1, 2], [3, 4]], [[1, 1], [1, 1]], [[np.inf, -np.inf], [0, 0]]])
+    ends = losses(outputs.astype(np.float32), np.ones((2, 2)))
+    assert ends[:2].tolist() == [1.5, 0.0]
+    assert not np.isfinite(ends[2])
