@@ -17,7 +17,7 @@ _HORIZON = 1e-12
 
 
 class AnalyticBrdf(ABC):
-    """A reciprocal BRDF by formula, zero for a direction at or below the horizon."""
+    """A BRDF by formula, zero for a direction at or below the horizon."""
 
     def evaluate(
         self, light: NDArray[np.float64], view: NDArray[np.float64]
@@ -26,7 +26,7 @@ class AnalyticBrdf(ABC):
         light, view = np.broadcast_arrays(
             np.asarray(light, np.float64), np.asarray(view, np.float64)
         )
-        above = (light[..., 2] > _HORIZON) & (view[..., 2] > _HORIZON)
+        above = both_above(light, view)
         result = np.zeros(light.shape)
         if above.any():
             result[above] = self._above(light[above], view[above])
@@ -35,6 +35,11 @@ class AnalyticBrdf(ABC):
     @abstractmethod
     def _above(self, light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the BRDF of directions above the horizon: shapes (n, 3) to (n, 3)."""
+
+
+def both_above(light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return of which pairs both directions are above the horizon: shapes (..., 3) to (...)."""
+    return np.asarray((light[..., 2] > _HORIZON) & (view[..., 2] > _HORIZON))
 
 
 def turn(direction: NDArray[np.float64], phi: float) -> NDArray[np.float64]:

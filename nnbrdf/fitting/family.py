@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nnbrdf.analytic.base import dot, turn
+from nnbrdf.analytic.base import AnalyticBrdf, dot, turn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Terms = Callable[["Pairs", Floats], Floats]
-
-HORIZON = 1e-12
 
 
 @dataclass(frozen=True)
@@ -70,6 +68,10 @@ class Pairs:
         """Make pairs of unit vectors, shape (n, 3) each, none of them opposite."""
         total = light + view
         return cls(light, view, total / np.linalg.norm(total, axis=1, keepdims=True))
+
+    def chosen(self, places: NDArray[np.int64]) -> Pairs:
+        """Return those at some places."""
+        return Pairs(self.light[places], self.view[places], self.half[places])
 
     def turned(self, phi: float) -> Pairs:
         """Return them as seen from a frame turned by `phi` about the normal."""
@@ -150,8 +152,8 @@ class Family:
 
 
 @dataclass(frozen=True)
-class FamilyMaterial:
-    """A model with its parameters set; zero for a direction at or below the horizon.
+class FamilyMaterial(AnalyticBrdf):
+    """A model with its parameters set.
 
     Attributes
     ----------
@@ -167,12 +169,6 @@ class FamilyMaterial:
     shape: tuple[float, ...]
     colors: Floats
 
-    def evaluate(self, light: Floats, view: Floats) -> Floats:
-        """Return the BRDF in 1/sr, shape (..., 3) (see `gonio.protocols.Material`)."""
-        light, view = np.broadcast_arrays(np.asarray(light, float), np.asarray(view, float))
-        above = (light[..., 2] > HORIZON) & (view[..., 2] > HORIZON)
-        result = np.zeros(light.shape)
-        if above.any():
-            pairs = Pairs.of(light[above], view[above])
-            result[above] = self.family.evaluate(pairs, np.array(self.shape)) @ self.colors
-        return result
+    def _above(self, light: Floats, view: Floats) -> Floats:
+        terms = self.family.evaluate(Pairs.of(light, view), np.array(self.shape))
+        return np.asarray(terms @ self.colors)

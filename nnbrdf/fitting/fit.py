@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gonio.errors import BadInputError
-from nnbrdf.fitting.family import HORIZON, Pairs
+from nnbrdf.analytic.base import both_above
+from nnbrdf.fitting.family import Pairs
 from nnbrdf.fitting.models import model_named
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ class _Problem:
                 f"the samples have {samples.value.shape[1]} channels; a model is fitted to one or "
                 "to three, so select them"
             )
-        above = (samples.light[:, 2] > HORIZON) & (samples.view[:, 2] > HORIZON)
+        above = both_above(samples.light, samples.view)
         self._family = family
         self._pairs = Pairs.of(samples.light[above], samples.view[above])
         self.values = samples.value[above]
@@ -143,7 +144,7 @@ class _Problem:
             return self
         chosen = np.sort(rng.permutation(len(self.values))[:_FEW])
         smaller = copy(self)
-        smaller._pairs = Pairs(*(getattr(self._pairs, part)[chosen] for part in _PAIR_PARTS))
+        smaller._pairs = self._pairs.chosen(chosen)
         smaller.values, smaller._goal = self.values[chosen], self._goal[chosen]
         return smaller
 
@@ -218,6 +219,3 @@ class _Problem:
         moved = place.copy()
         moved[index] += step
         return np.asarray((self._terms(moved) - terms) @ colors / step)
-
-
-_PAIR_PARTS = ("light", "view", "half")
