@@ -12,14 +12,16 @@ from nnbrdf.fitting.family import Family, Parameter
 if TYPE_CHECKING:
     from nnbrdf.fitting.family import Floats, Pairs
 
+BODY_AND_LOBE = ("diffuse", "specular")
 
-def lambert_term(pairs: Pairs) -> Floats:
-    """Return 1 / pi, shape (n,)."""
-    return np.full(len(pairs.light), 1.0 / np.pi)
+
+def with_body(pairs: Pairs, *lobes: Floats) -> Floats:
+    """Return terms, shape (n, 1 + lobes): Lambert's 1 / pi, then lobes of shape (n,) each."""
+    return np.stack([np.full(len(pairs.light), 1.0 / np.pi), *lobes], axis=1)
 
 
 def _lambert(pairs: Pairs, shape: Floats) -> Floats:
-    return lambert_term(pairs)[:, None]
+    return with_body(pairs)
 
 
 def _minnaert(pairs: Pairs, shape: Floats) -> Floats:

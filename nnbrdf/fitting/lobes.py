@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nnbrdf.analytic.base import dot, turn
-from nnbrdf.fitting.diffuse import lambert_term
+from nnbrdf.fitting.diffuse import BODY_AND_LOBE, with_body
 from nnbrdf.fitting.family import Family, Parameter
 
 if TYPE_CHECKING:
@@ -21,20 +21,20 @@ _STRAUSS_F, _STRAUSS_G, _STRAUSS_J = 1.12, 1.01, 0.1
 def _phong(pairs: Pairs, shape: Floats) -> Floats:
     (n,) = shape
     lobe = (n + 2.0) / (2.0 * np.pi) * pairs.mirror_view**n
-    return np.stack([lambert_term(pairs), lobe], axis=1)
+    return with_body(pairs, lobe)
 
 
 def _blinn_phong(pairs: Pairs, shape: Floats) -> Floats:
     (n,) = shape
     scale = (n + 2.0) * (n + 4.0) / (8.0 * np.pi * (2.0 ** (-n / 2.0) + n))
-    return np.stack([lambert_term(pairs), scale * pairs.half_z**n], axis=1)
+    return with_body(pairs, scale * pairs.half_z**n)
 
 
 def _lafortune(pairs: Pairs, shape: Floats) -> Floats:
     c_x, c_y, c_z, n, phi = shape
     light, view = turn(pairs.light, phi), turn(pairs.view, phi)
     cosine = dot(light * [c_x, c_y, c_z], view).clip(0.0)
-    return np.stack([lambert_term(pairs), (n + 2.0) / (2.0 * np.pi) * cosine**n], axis=1)
+    return with_body(pairs, (n + 2.0) / (2.0 * np.pi) * cosine**n)
 
 
 def _strauss(pairs: Pairs, shape: Floats) -> Floats:
@@ -69,14 +69,14 @@ PHONG = Family(
     "phong",
     "Phong (1975), normalized by Lewis (1994)",
     (EXPONENT,),
-    ("diffuse", "specular"),
+    BODY_AND_LOBE,
     _phong,
 )
 BLINN_PHONG = Family(
     "blinn-phong",
     "Blinn (1977), normalized by Giesen (2009)",
     (EXPONENT,),
-    ("diffuse", "specular"),
+    BODY_AND_LOBE,
     _blinn_phong,
 )
 LAFORTUNE = Family(
@@ -89,7 +89,7 @@ LAFORTUNE = Family(
         EXPONENT,
         PHI,
     ),
-    ("diffuse", "specular"),
+    BODY_AND_LOBE,
     _lafortune,
     bounded=False,  # a lobe longer than 1 returns more than it gets
 )
