@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeVar
 
 from pydantic import Field, model_validator
 
@@ -20,6 +20,7 @@ CARD_NAME = "model.json"
 REMEDY = "make the model again with: gonio reconstruct"
 
 Count = Annotated[int, Field(ge=1)]
+D = TypeVar("D", bound=Document)
 
 
 class Card(Document):
@@ -83,20 +84,51 @@ class Card(Document):
             raise ValueError(f"weights: layers make {weight_count(self.layers)}")
         return self
 
+    def sentences(self) -> list[str]:
+        """Say how the model was made, as a person reads it."""
+        return [
+            f"{len(self.final_losses)} networks {'-'.join(map(str, self.layers))} "
+            f"({self.activation}, {self.encoding} angles), {self.steps} steps from seed "
+            f"{self.seed}; delivered is number {self.delivered}, the one with the median final loss"
+        ]
+
 
 def read_card(folder: Path) -> Card:
-    """Read and check `model.json` of a model's folder.
+    """Read and check `model.json` of the folder of a model of the paper's kind.
 
     Raises
     ------
     gonio.errors.BadFileError
         When it is missing, malformed or of another version.
     """
+    return read_document(Card, SCHEMA, folder)
+
+
+def read_document(kind: type[D], schema: str, folder: Path) -> D:
+    """Read and check `model.json` of a model's folder as the card of one kind of model.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When it is missing, malformed or of another schema.
+    """
+    path = folder / CARD_NAME
+    data = read_json(folder)
+    found = data.get("schema") if isinstance(data, dict) else None
+    if found != schema:
+        raise BadFileError(path, f"has schema {found!r}, not {schema!r}", REMEDY)
+    return check(kind, data, path, REMEDY)
+
+
+def read_json(folder: Path) -> object:
+    """Return what `model.json` of a folder holds.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When it is missing or no JSON.
+    """
     path = folder / CARD_NAME
     if not path.is_file():
         raise BadFileError(folder, f"is not a model (it has no {CARD_NAME})", REMEDY)
-    data = parse_json(read_text(path, REMEDY), path, REMEDY)
-    found = data.get("schema") if isinstance(data, dict) else None
-    if found != SCHEMA:
-        raise BadFileError(path, f"has schema {found!r}, not {SCHEMA!r}", REMEDY)
-    return check(Card, data, path, REMEDY)
+    return parse_json(read_text(path, REMEDY), path, REMEDY)

@@ -15,6 +15,7 @@ from nnbrdf.card import REMEDY
 from nnbrdf.network import Networks
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -26,8 +27,7 @@ WEIGHTS_NAME = "weights.safetensors"
 
 def write_weights(folder: Path, networks: Networks) -> None:
     """Write `layer_0`, `layer_1`, ..., float32, shape (members, outputs, inputs + 1) each."""
-    tensors = {f"layer_{index}": layer for index, layer in enumerate(networks.layers)}
-    write_bytes(folder / WEIGHTS_NAME, safetensors.numpy.save(tensors))
+    write_tensors(folder, {f"layer_{index}": layer for index, layer in enumerate(networks.layers)})
 
 
 def read_weights(folder: Path, card: Card) -> Networks:
@@ -38,6 +38,24 @@ def read_weights(folder: Path, card: Card) -> Networks:
     gonio.errors.BadFileError
         When it is missing, truncated, or its tensors are not what the card says.
     """
+    tensors = read_tensors(folder, shapes_of(card.layers, len(card.final_losses)))
+    return Networks(tuple(tensors.values()), card.activation)
+
+
+def write_tensors(folder: Path, tensors: dict[str, NDArray[Any]]) -> None:
+    """Write float32 arrays by name."""
+    whole = {name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}
+    write_bytes(folder / WEIGHTS_NAME, safetensors.numpy.save(whole))
+
+
+def read_tensors(folder: Path, shapes: dict[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
+    """Read float32 arrays, in the order of the names and shapes that are expected.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When the file is missing, truncated, or its tensors are not what is expected.
+    """
     path = folder / WEIGHTS_NAME
     try:
         tensors = safetensors.numpy.load(path.read_bytes())
@@ -45,14 +63,15 @@ def read_weights(folder: Path, card: Card) -> Networks:
         raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
     except (safetensors.SafetensorError, KeyError, ValueError, TypeError) as error:
         raise BadFileError(path, f"is broken ({error})", REMEDY) from None
-    layers = tuple(_checked(tensors, *wanted, path) for wanted in _expected(card))
-    return Networks(layers, card.activation)
+    return {name: _checked(tensors, name, shape, path) for name, shape in shapes.items()}
 
 
-def _expected(card: Card) -> list[tuple[str, tuple[int, ...]]]:
-    members = len(card.final_losses)
-    shapes = [(members, m, n + 1) for n, m in pairwise(card.layers)]
-    return [(f"layer_{index}", shape) for index, shape in enumerate(shapes)]
+def shapes_of(sizes: Sequence[int], members: int, prefix: str = "") -> dict[str, tuple[int, ...]]:
+    """Return the shapes of a stack's layers by their names in the file."""
+    return {
+        f"{prefix}layer_{index}": (members, m, n + 1)
+        for index, (n, m) in enumerate(pairwise(sizes))
+    }
 
 
 def _checked(

@@ -50,6 +50,15 @@ class Component:
     weights: Array
     jitter: float
 
+    @property
+    def condition(self) -> float:
+        """Condition number of the samples' covariance, told from its factor's diagonal.
+
+        The square of the largest entry over the smallest: no more than the condition number.
+        """
+        diagonal = np.diag(self.cholesky)
+        return float((diagonal.max() / diagonal.min()) ** 2)
+
     def predict(self, traits: Traits) -> tuple[Array, Array]:
         """Return mean, shape (n, channels), and variance, shape (n,), of the logarithm.
 

@@ -1,0 +1,92 @@
+"""What samples tell of a material beyond its values, as a model's card says it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from gonio.validation import Document
+
+if TYPE_CHECKING:
+    from nnbrdf.prior.infer import Inference
+
+
+class Findings(Document):
+    """What was left out or let in, by evidence from the samples.
+
+    Attributes
+    ----------
+    isotropic, isotropic_log_odds
+        Whether the material depends on the azimuths by their difference only, and the logarithm
+        of the odds for it.
+    reciprocal
+        Whether light and view may be exchanged as far as the samples say.
+    single_spectrum
+        Whether all channels are multiples of one.
+    smooth, stretch, exchange, noise
+        The settings of the prior that the samples speak for (see `nnbrdf.prior.family.Settings`).
+    inflation
+        Factor on the posterior's deviations, told from samples left out in turn.
+    outliers, lower_bounds
+        Rows of the samples left out as contradicting all others, or as clipped below what the
+        others say.
+    condition, jitter
+        Condition number of the samples' covariance, from below, and what was added to its diagonal
+        to factor it.
+    """
+
+    isotropic: bool
+    isotropic_log_odds: float
+    reciprocal: bool
+    single_spectrum: bool
+    smooth: float = Field(ge=0)
+    stretch: float = Field(gt=0)
+    exchange: float = Field(ge=0)
+    noise: float = Field(ge=0)
+    inflation: float = Field(gt=0)
+    outliers: tuple[int, ...]
+    lower_bounds: tuple[int, ...]
+    condition: float = Field(ge=1)
+    jitter: float = Field(ge=0)
+
+    def sentences(self) -> list[str]:
+        """Say it as a person reads it."""
+        odds = f"log odds {abs(self.isotropic_log_odds):.0f}"
+        result = [
+            f"isotropic: only the difference of the azimuths counts ({odds})"
+            if self.isotropic
+            else f"anisotropic ({odds} against isotropic)",
+            "reciprocal: light and view are exchangeable, by construction"
+            if self.reciprocal
+            else "the samples contradict reciprocity, so the model does not assume it",
+            "one spectrum: all channels are multiples of one"
+            if self.single_spectrum
+            else "channels differ by more than a factor",
+        ]
+        if self.outliers:
+            rows = ", ".join(map(str, self.outliers))
+            result.append(f"left out as contradicting all others: samples {rows}")
+        if self.lower_bounds:
+            rows = ", ".join(map(str, self.lower_bounds))
+            result.append(f"clipped, so lower bounds that tell no more: samples {rows}")
+        if self.jitter:
+            result.append(f"the covariance needed {self.jitter:.2g} on its diagonal")
+        return result
+
+
+def findings_of(inference: Inference, *, single_spectrum: bool) -> Findings:
+    """Return what an inference found."""
+    posterior = inference.posterior
+    return Findings(
+        isotropic=posterior.isotropic,
+        isotropic_log_odds=posterior.odds,
+        reciprocal=posterior.reciprocal,
+        single_spectrum=single_spectrum,
+        **posterior.best.settings._asdict(),
+        inflation=inference.inflation,
+        outliers=tuple(inference.outliers.nonzero()[0].tolist()),
+        lower_bounds=tuple(inference.bounds.nonzero()[0].tolist()),
+        condition=posterior.best.condition,
+        jitter=posterior.best.jitter,
+    )
