@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -41,6 +42,12 @@ class Setting:
     extent: Extent
     folder: Path
 
+    def train(self, design: Callable[[Truth, Extent], list[Job]]) -> list[Outcome]:
+        """Carry out a design on every material."""
+        return self.outcomes(
+            [job for truth in self.truths.values() for job in design(truth, self.extent)]
+        )
+
     def outcomes(self, jobs: Sequence[Job]) -> list[Outcome]:
         """Carry out what is missing, with a bar on the screen."""
         with progress_bar("training") as progress:
@@ -73,12 +80,7 @@ def read_setting(
         if truth.name in truths:
             raise BadInputError(f"two materials are called {truth.name}; rename one, or drop it")
         truths[truth.name] = truth
-    return Setting(
-        truths,
-        pairs,
-        Extent(sizes, seeds, epochs, steps),
-        folder,
-    )
+    return Setting(truths, pairs, Extent(sizes, seeds, epochs, steps), folder)
 
 
 def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ...]:
@@ -122,8 +124,23 @@ def networks_in(text: str) -> tuple[tuple[int, ...], ...]:
     return networks
 
 
-def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add what every study takes."""
+def study_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add what every study takes; the command gets it read, as its first argument."""
+
+    @wraps(command)
+    def with_setting(
+        *,
+        materials: tuple[str, ...],
+        output: Path,
+        subsets: str,
+        seeds: int,
+        epochs: int,
+        steps: int | None,
+        **others: Any,
+    ) -> None:
+        setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
+        command(setting, **others)
+
     options = [
         click.argument("materials", nargs=-1, required=True),
         click.option("-o", "--output", type=click.Path(path_type=Path), default=Path("study"),
@@ -137,8 +154,8 @@ def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      help="Train for so many steps instead of epochs."),
     ]  # fmt: skip
     for option in reversed(options):
-        command = option(command)
-    return command
+        option(with_setting)
+    return with_setting
 
 
 def conclude(

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import (
-    conclude,
-    names_in,
-    networks_in,
-    read_setting,
-    study_options,
-)
+from gonio.cli._study import conclude, names_in, networks_in, study_options
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from gonio.cli._study import Setting
 
 TITLE = "Activations"
 ABOUT = (
@@ -28,17 +23,7 @@ ABOUT = (
 @study_options
 @click.option("--activations", help="Names, with commas between.  [default: all twenty]")
 @click.option("--networks", default="15-30-20,3-6-4", show_default=True, help="Hidden layers.")
-def command(
-    *,
-    materials: tuple[str, ...],
-    output: Path,
-    subsets: str,
-    seeds: int,
-    epochs: int,
-    steps: int | None,
-    activations: str | None,
-    networks: str,
-) -> None:
+def command(setting: Setting, *, activations: str | None, networks: str) -> None:
     """Compare activations on MATERIALS: errors, learning times, ranks.
 
     \b
@@ -47,16 +32,10 @@ def command(
         gonio study activations felt.npz silk.npz --activations softsign,tanh,gelu
     """  # noqa: D301
     from nnbrdf.activations import ACTIVATIONS
-    from nnbrdf.studies import designs
+    from nnbrdf.studies.designs import combinations
 
     names = names_in(activations, list(ACTIVATIONS), "activation")
-    shapes = networks_in(networks)
-
-    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
-    jobs = [
-        job
-        for truth in setting.truths.values()
-        for job in designs.activations(truth, setting.extent, names, shapes)
-    ]
-    outcomes = setting.outcomes(jobs)
-    conclude(output / "activations.html", TITLE, ABOUT, outcomes, lambda job: job.activation)
+    design = partial(combinations, activations=names, networks=networks_in(networks))
+    outcomes = setting.train(design)
+    page = setting.folder / "activations.html"
+    conclude(page, TITLE, ABOUT, outcomes, lambda job: job.activation)

@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import names_in, read_setting, show_grids, study_options
+from gonio.cli._study import names_in, show_grids, study_options
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from gonio.cli._study import Setting
     from nnbrdf.studies.analytic import Result
 
@@ -25,16 +23,7 @@ ABOUT = (
 @click.command(name="analytic")
 @study_options
 @click.option("--models", help="Names, with commas between.  [default: all sixteen]")
-def command(
-    *,
-    materials: tuple[str, ...],
-    output: Path,
-    subsets: str,
-    seeds: int,
-    epochs: int,
-    steps: int | None,
-    models: str | None,
-) -> None:
+def command(setting: Setting, *, models: str | None) -> None:
     """Compare models of the literature with the networks on MATERIALS.
 
     Errors stand against the time of the fit and against the time of an evaluation.
@@ -50,16 +39,16 @@ def command(
     from nnbrdf.studies.export import write_results
 
     names = names_in(models, list(MODELS), "model")
-    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
     results = _results(setting, names)
     sections = [analytic_section(name, results[name]) for name in setting.truths]
-    output.mkdir(parents=True, exist_ok=True)
-    write_results(output / "analytic.csv", results)
-    page = output / "analytic.html"
+    setting.folder.mkdir(parents=True, exist_ok=True)
+    table = setting.folder / "analytic.csv"
+    write_results(table, results)
+    page = setting.folder / "analytic.html"
     write_study(page, TITLE, ABOUT, sections)
     for section in sections:
         show_grids(section.title, section.grids)
-    console.print(f"table: {output / 'analytic.csv'}")
+    console.print(f"table: {table}")
     console.print(f"page:  {page}")
 
 

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import (
-    conclude,
-    names_in,
-    networks_in,
-    read_setting,
-    study_options,
-)
+from gonio.cli._study import conclude, names_in, networks_in, study_options
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from gonio.cli._study import Setting
 
 TITLE = "Encodings"
 ABOUT = (
@@ -28,17 +23,7 @@ ABOUT = (
 @study_options
 @click.option("--encodings", help="Names, with commas between.  [default: all six]")
 @click.option("--networks", default="15-30-20,3-6-4", show_default=True, help="Hidden layers.")
-def command(
-    *,
-    materials: tuple[str, ...],
-    output: Path,
-    subsets: str,
-    seeds: int,
-    epochs: int,
-    steps: int | None,
-    encodings: str | None,
-    networks: str,
-) -> None:
+def command(setting: Setting, *, encodings: str | None, networks: str) -> None:
     """Compare encodings of view and light on MATERIALS.
 
     \b
@@ -47,16 +32,10 @@ def command(
         gonio study encodings silk.npz --encodings xyz,paper-literal --subsets vs-is
     """  # noqa: D301
     from nnbrdf.encoding import ENCODINGS
-    from nnbrdf.studies import designs
+    from nnbrdf.studies.designs import combinations
 
     names = names_in(encodings, list(ENCODINGS), "encoding")
-    shapes = networks_in(networks)
-
-    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
-    jobs = [
-        job
-        for truth in setting.truths.values()
-        for job in designs.encodings(truth, setting.extent, names, shapes)
-    ]
-    outcomes = setting.outcomes(jobs)
-    conclude(output / "encodings.html", TITLE, ABOUT, outcomes, lambda job: job.encoding)
+    design = partial(combinations, encodings=names, networks=networks_in(networks))
+    outcomes = setting.train(design)
+    page = setting.folder / "encodings.html"
+    conclude(page, TITLE, ABOUT, outcomes, lambda job: job.encoding)

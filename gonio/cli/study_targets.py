@@ -6,17 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import (
-    names_in,
-    read_setting,
-    show_end,
-    show_grids,
-    study_options,
-)
+from gonio.cli._study import names_in, show_end, show_grids, study_options
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from gonio.cli._study import Setting
     from nnbrdf.studies.job import Job, Outcome
     from nnbrdf.studies.settings import Ranked
 
@@ -32,16 +25,7 @@ ABOUT = (
 @click.command(name="targets")
 @study_options
 @click.option("--activations", help="Names, with commas between.  [default: all twenty]")
-def command(
-    *,
-    materials: tuple[str, ...],
-    output: Path,
-    subsets: str,
-    seeds: int,
-    epochs: int,
-    steps: int | None,
-    activations: str | None,
-) -> None:
+def command(setting: Setting, *, activations: str | None) -> None:
     """Compare equal epochs and equal steps, targets to 1 and to 255, and other whites.
 
     Each setting trains every activation on MATERIALS anew, and ranks them.
@@ -58,7 +42,6 @@ def command(
     from nnbrdf.studies.export import write_outcomes
 
     names = names_in(activations, list(ACTIVATIONS), "activation")
-    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
     designed = {
         name: designs.targets(truth, setting.extent, names)
         for name, truth in setting.truths.items()
@@ -73,8 +56,8 @@ def command(
             for name in next(iter(ranked.values()))
         }
         sections.append(summary_section(errors))
-    write_outcomes(output / "results.csv", list(outcomes.values()))
-    page = output / "targets.html"
+    write_outcomes(setting.folder / "results.csv", list(outcomes.values()))
+    page = setting.folder / "targets.html"
     write_study(page, TITLE, ABOUT, sections)
     for section in sections:
         show_grids(section.title, section.grids)

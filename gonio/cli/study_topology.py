@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import (
-    conclude,
-    networks_in,
-    read_setting,
-    study_options,
-)
+from gonio.cli._study import conclude, networks_in, study_options
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from gonio.cli._study import Setting
 
 TITLE = "Topology"
 ABOUT = (
@@ -26,16 +22,7 @@ ABOUT = (
 @click.command(name="topology")
 @study_options
 @click.option("--networks", help="Hidden layers, 16-16,32-32-32.  [default: fourteen shapes]")
-def command(
-    *,
-    materials: tuple[str, ...],
-    output: Path,
-    subsets: str,
-    seeds: int,
-    epochs: int,
-    steps: int | None,
-    networks: str | None,
-) -> None:
+def command(setting: Setting, *, networks: str | None) -> None:
     """Compare shapes of the network on MATERIALS: error against training time.
 
     \b
@@ -43,19 +30,12 @@ def command(
         gonio study topology wood-veneer
         gonio study topology felt.npz --networks 16-16,32-32,64-64 --subsets va-ia,vs-is
     """  # noqa: D301
-    from nnbrdf.studies import designs
+    from nnbrdf.studies.designs import TOPOLOGIES, combinations
 
-    shapes = networks_in(networks) if networks else designs.TOPOLOGIES
-
-    setting = read_setting(materials, output, subsets, seeds=seeds, epochs=epochs, steps=steps)
-    jobs = [
-        job
-        for truth in setting.truths.values()
-        for job in designs.topology(truth, setting.extent, shapes)
-    ]
-    outcomes = setting.outcomes(jobs)
+    shapes = networks_in(networks) if networks else TOPOLOGIES
+    outcomes = setting.train(partial(combinations, networks=shapes))
     conclude(
-        output / "topology.html",
+        setting.folder / "topology.html",
         TITLE,
         ABOUT,
         outcomes,

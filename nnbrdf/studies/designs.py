@@ -7,7 +7,6 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from nnbrdf.activations import ACTIVATIONS
-from nnbrdf.encoding import ENCODINGS
 from nnbrdf.studies.job import Job
 from nnbrdf.training import epoch_steps
 
@@ -21,7 +20,7 @@ TOPOLOGIES = (
     (3, 6, 4), (8,), (16,), (32,), (64,), (8, 8), (16, 16), (32, 32), (15, 30, 20), (16, 16, 16),
     (32, 32, 32), (64, 64), (48, 48, 48), (16, 16, 16, 16),
 )  # fmt: skip
-WHITE_SCALES = (0.5, 1.0, 2.0)
+WHITE_SCALES = (0.5, 2.0)
 
 
 @dataclass(frozen=True)
@@ -48,44 +47,34 @@ class Extent:
         return self.steps or self.epochs * epoch_steps(self.sizes[subset])
 
 
-def activations(
+def combinations(
     truth: Truth,
     extent: Extent,
-    names: Sequence[str] = tuple(ACTIVATIONS),
+    *,
+    activations: Sequence[str] = ("softsign",),
+    encodings: Sequence[str] = ("xyz",),
     networks: Sequence[tuple[int, ...]] = PAPER_NETWORKS,
 ) -> list[Job]:
-    """Return the paper's table 2: every activation, on both networks and all subsets."""
-    cases = product(names, networks, extent.sizes)
-    return _jobs(
-        extent,
-        [replace(_plain(truth, extent, subset), activation=name, hidden=hidden)
-         for name, hidden, subset in cases],
-    )  # fmt: skip
+    """Return every activation with every encoding, on all networks, subsets and seeds.
 
-
-def encodings(
-    truth: Truth,
-    extent: Extent,
-    names: Sequence[str] = tuple(ENCODINGS),
-    networks: Sequence[tuple[int, ...]] = PAPER_NETWORKS,
-) -> list[Job]:
-    """Return every encoding, on both networks and all subsets."""
-    cases = product(names, networks, extent.sizes)
-    return _jobs(
-        extent,
-        [replace(_plain(truth, extent, subset), encoding=name, hidden=hidden)
-         for name, hidden, subset in cases],
-    )  # fmt: skip
-
-
-def topology(
-    truth: Truth, extent: Extent, networks: Sequence[tuple[int, ...]] = TOPOLOGIES
-) -> list[Job]:
-    """Return networks of many shapes."""
-    cases = product(networks, extent.sizes)
-    return _jobs(
-        extent, [replace(_plain(truth, extent, subset), hidden=hidden) for hidden, subset in cases]
-    )
+    With all twenty activations it is the paper's table 2.
+    """
+    cases = product(activations, encodings, networks, extent.sizes, range(extent.seeds))
+    return [
+        Job(
+            material=truth.name,
+            digest=truth.digest,
+            subset=subset,
+            activation=activation,
+            encoding=encoding,
+            hidden=hidden,
+            steps=extent.steps_on(subset),
+            top=1.0,
+            white_scale=1.0,
+            seed=seed,
+        )
+        for activation, encoding, hidden, subset, seed in cases
+    ]
 
 
 def targets(
@@ -96,11 +85,8 @@ def targets(
     Equal epochs or equal steps for all subsets, targets to 1 or to 255, and another white.
     """
     most = max(extent.steps_on(subset) for subset in extent.sizes)
-    plain = [
-        replace(_plain(truth, extent, subset), activation=name)
-        for name, subset in product(names, extent.sizes)
-    ]
-    settings = {
+    plain = combinations(truth, extent, activations=names, networks=PAPER_NETWORKS[:1])
+    return {
         "as in the recipe": plain,
         "equal steps": [replace(job, steps=most) for job in plain],
         "targets to 255": [replace(job, top=255.0) for job in plain],
@@ -108,25 +94,4 @@ def targets(
     } | {
         f"white x {scale:g}": [replace(job, white_scale=scale) for job in plain]
         for scale in WHITE_SCALES
-        if scale != 1.0
     }
-    return {name: _jobs(extent, jobs) for name, jobs in settings.items()}
-
-
-def _plain(truth: Truth, extent: Extent, subset: str) -> Job:
-    return Job(
-        material=truth.name,
-        digest=truth.digest,
-        subset=subset,
-        activation="softsign",
-        encoding="xyz",
-        hidden=PAPER_NETWORKS[0],
-        steps=extent.steps_on(subset),
-        top=1.0,
-        white_scale=1.0,
-        seed=0,
-    )
-
-
-def _jobs(extent: Extent, cases: Sequence[Job]) -> list[Job]:
-    return [replace(case, seed=seed) for case in cases for seed in range(extent.seeds)]

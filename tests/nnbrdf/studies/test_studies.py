@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gonio.errors import BadFileError, BadInputError
+from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.estimators import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.job import Job, Outcome
@@ -27,6 +28,10 @@ def a_truth(top=1.0):
 
 SUBSETS = {"vs-is": np.arange(0, 6561, 33), "va-ia": np.arange(0, 6561, 8)}
 EXTENT = designs.Extent({name: len(pairs) for name, pairs in SUBSETS.items()}, seeds=2, epochs=2)
+
+
+def some_jobs(*activations):
+    return designs.combinations(a_truth(), EXTENT, activations=activations, networks=[(4, 3)])
 
 
 def an_outcome(error, seed=0, diverged=False, **changes):
@@ -72,7 +77,7 @@ def test_a_job_trains_the_member_of_the_estimator():
 @pytest.mark.parametrize("threads", [1, 3])
 def test_results_do_not_hang_on_the_number_of_threads(tmp_path, monkeypatch, threads):
     monkeypatch.setattr(run, "cores", lambda: threads)
-    jobs = designs.activations(a_truth(), EXTENT, ["gelu", "rrelu"], [(4, 3)])
+    jobs = some_jobs("gelu", "rrelu")
     calls = []
     outcomes = run_jobs(
         jobs, {"felt": a_truth()}, SUBSETS, tmp_path, lambda *each: calls.append(each)
@@ -85,7 +90,7 @@ def test_results_do_not_hang_on_the_number_of_threads(tmp_path, monkeypatch, thr
 
 
 def test_what_is_there_is_not_trained_again(tmp_path, monkeypatch):
-    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    jobs = some_jobs("gelu")
     first = run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
     content = (tmp_path / RESULTS_NAME).read_bytes()
     (tmp_path / RESULTS_NAME).write_bytes(content[:-20])  # cut in the last line
@@ -102,7 +107,7 @@ def test_what_is_there_is_not_trained_again(tmp_path, monkeypatch):
 
 
 def test_what_another_study_finished_just_before_is_not_trained_again(tmp_path, monkeypatch):
-    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    jobs = some_jobs("gelu")
     trained = []
 
     @contextmanager
@@ -123,7 +128,7 @@ def test_what_another_study_finished_just_before_is_not_trained_again(tmp_path, 
 
 
 def test_what_two_settings_share_is_trained_once(tmp_path):
-    jobs = designs.activations(a_truth(), EXTENT, ["gelu"], [(4, 3)])
+    jobs = some_jobs("gelu")
     calls = []
     outcomes = run_jobs(
         jobs + jobs, {"felt": a_truth()}, SUBSETS, tmp_path, lambda *each: calls.append(each)
@@ -220,7 +225,7 @@ def test_a_setting_is_ranked_whole_and_by_halves_of_its_seeds():
 
 def test_designs_are_as_large_as_they_say():
     paper = designs.Extent({"va-ia": 6561, "vs-ia": 1134, "va-is": 1134, "vs-is": 196})
-    jobs = designs.activations(a_truth(), paper)
+    jobs = designs.combinations(a_truth(), paper, activations=list(ACTIVATIONS))
     assert len(jobs) == len({job.key for job in jobs}) == 800
     steps = {job.subset: job.steps for job in jobs}
     assert steps == {"va-ia": 103_000, "vs-ia": 18_000, "va-is": 18_000, "vs-is": 3500}
