@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import defaultdict
+from dataclasses import dataclass, replace
 from statistics import median
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -10,17 +11,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.samples import Samples
+from nnbrdf.encoding import INPUTS
 from nnbrdf.ensemble import Ensemble, grid_pairs
 from nnbrdf.fitting import fit_model
-from nnbrdf.metrics import score
+from nnbrdf.metrics import Scores, score
+from nnbrdf.network import glorot_uniform
+from nnbrdf.studies.job import METRICS
+from nnbrdf.studies.tables import median_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
-    from gonio.protocols import Material
-    from nnbrdf.estimators import PaperEstimator
-    from nnbrdf.metrics import Scores
+    from nnbrdf.studies.job import Job, Outcome
     from nnbrdf.studies.train import Truth
+
+    Evaluate = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 TIMED_PAIRS = 100_000
 _REPEATS = 3
@@ -39,9 +46,9 @@ class Result:
     numbers
         How many parameters or weights it has.
     scores
-        Over the 81 x 81 grid.
+        Over the 81 x 81 grid; of networks the medians over the seeds, infinite where most diverged.
     fit_seconds
-        What the fit took.
+        What the fit took, or the training of one network.
     million_seconds
         Evaluating a million pairs in NumPy, on one core.
     """
@@ -62,50 +69,36 @@ def samples_of(truth: Truth, pairs: NDArray[np.int64]) -> Samples:
 
 def compare_model(name: str, truth: Truth, subset: str, pairs: NDArray[np.int64]) -> Result:
     """Fit a model of `nnbrdf.fitting` and judge it."""
-    # else the first fit would be charged for the import
-    import scipy.optimize
-    import scipy.stats  # noqa: F401
-
     fit = fit_model(name, samples_of(truth, pairs))
-    numbers = len(fit.shape) + fit.colors.size
-    return _result(name, truth, subset, numbers, fit.material, fit.seconds)
+    evaluate, numbers = fit.material.evaluate, len(fit.shape) + fit.colors.size
+    scores = score(evaluate(*grid_pairs()), truth.values, truth.white)
+    return Result(name, subset, numbers, scores, fit.seconds, million_seconds(evaluate))
 
 
-def compare_network(
-    recipe: PaperEstimator, truth: Truth, subset: str, pairs: NDArray[np.int64]
-) -> Result:
-    """Train the paper's recipe and judge the delivered network; one seed's share of the time."""
-    model = recipe.fit(samples_of(truth, pairs))
-    assert model.history is not None
-    seconds = model.history.checkpoints[-1].seconds / recipe.members
-    name = f"network {'-'.join(str(size) for size in recipe.hidden)}"
-    # the delivered member alone, without the chunks that keep a model small in memory
-    delivered = model.networks.member(model.card.delivered)
-    member = _Delivered(Ensemble(delivered, model.card.encoding, model.card.white))
-    return _result(name, truth, subset, model.card.weights, member, seconds)
+def compare_networks(outcomes: Sequence[Outcome]) -> list[Result]:
+    """Judge each network by the medians over its seeds; outcomes are of one material and subset."""
+    groups: dict[Job, list[Outcome]] = defaultdict(list)
+    for outcome in outcomes:
+        groups[replace(outcome.job, seed=0)].append(outcome)
+    return [_medians(job, group) for job, group in groups.items()]
 
 
-@dataclass(frozen=True)
-class _Delivered:
-    ensemble: Ensemble
-
-    def evaluate(
-        self, light: NDArray[np.float64], view: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        light, view = np.broadcast_arrays(light, view)
-        said = self.ensemble.predict(light.reshape(-1, 3), view.reshape(-1, 3))[0].clip(0.0)
-        return np.asarray(said.reshape(light.shape))
-
-
-def _result(
-    name: str, truth: Truth, subset: str, numbers: int, material: Material, seconds: float
-) -> Result:
-    light, view = grid_pairs()
-    scores = score(material.evaluate(light, view), truth.values, truth.white)
-    return Result(name, subset, numbers, scores, seconds, million_seconds(material))
+def _medians(job: Job, outcomes: Sequence[Outcome]) -> Result:
+    scores = Scores(*(median_of(outcomes, metric) for metric in METRICS))
+    # how long a network takes hangs on its shape, not on its weights
+    sizes, rng = (INPUTS[job.encoding], *job.hidden, 3), np.random.default_rng(0)
+    network = Ensemble(glorot_uniform(sizes, [rng], activation=job.activation), job.encoding, 1.0)
+    return Result(
+        f"network {job.network}",
+        job.subset,
+        job.weights,
+        scores,
+        median_of(outcomes, "seconds"),
+        million_seconds(network.predict),
+    )
 
 
-def million_seconds(material: Material) -> float:
+def million_seconds(evaluate: Evaluate) -> float:
     """Return the seconds that a million random pairs take, from 100,000 of them."""
     rng = np.random.default_rng(0)
     vectors = rng.normal(size=(2, TIMED_PAIRS, 3))
@@ -114,6 +107,6 @@ def million_seconds(material: Material) -> float:
     taken = []
     for _ in range(_REPEATS):
         began = perf_counter()
-        material.evaluate(light, view)
+        evaluate(light, view)
         taken.append(perf_counter() - began)
     return median(taken) * 1e6 / TIMED_PAIRS

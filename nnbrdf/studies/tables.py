@@ -104,6 +104,13 @@ def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
     return {name: sum(each[name] for each in ranks) / len(ranks) for name in ranks[0]}
 
 
+def median_of(outcomes: Sequence[Outcome], metric: str) -> float:
+    """Return the median; what diverged is worse than anything, and so is what was never trained."""
+    worst = -math.inf if metric in BIGGER_IS_BETTER else math.inf
+    values = [getattr(outcome, metric) for outcome in outcomes]
+    return median(worst if value is None else value for value in values) if values else worst
+
+
 def kendall_tau(first: Sequence[float], second: Sequence[float]) -> float | None:
     """Return how two rankings of the same things agree, from -1 to 1; None for less than two.
 
@@ -129,8 +136,7 @@ def _table(
         cells[row_of(outcome.job)][column_of(outcome.job)].append(outcome)
     columns = tuple(dict.fromkeys(column for row in cells.values() for column in row))
     medians = {
-        name: tuple(_median(row[column], metric) for column in columns)
-        for name, row in cells.items()
+        name: tuple(_cell(row[column], metric) for column in columns) for name, row in cells.items()
     }
     means = {name: _mean(values) for name, values in medians.items()}
     sign = -1.0 if metric in BIGGER_IS_BETTER else 1.0
@@ -149,11 +155,8 @@ def _table(
     return Table(material, metric, columns, tuple(rows))
 
 
-def _median(outcomes: Sequence[Outcome], metric: str) -> float | None:
-    # what diverged is worse than anything
-    worst = -math.inf if metric in BIGGER_IS_BETTER else math.inf
-    values = [getattr(outcome, metric) for outcome in outcomes]
-    value = median(worst if value is None else value for value in values) if values else worst
+def _cell(outcomes: Sequence[Outcome], metric: str) -> float | None:
+    value = median_of(outcomes, metric)
     return value if math.isfinite(value) else None
 
 

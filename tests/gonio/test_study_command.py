@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import signal
+import statistics
 import subprocess
 import sys
 
@@ -68,6 +69,19 @@ def test_analytic(gonio, tmp_path):
     assert [row["name"] for row in table] == names
     assert float(table[1]["male"]) < float(table[0]["male"])
     assert (tmp_path / "study" / "analytic.html").read_text().count("<svg") == 2
+    trainings = lines(tmp_path / "study" / "results.csv")
+    assert len(trainings) == 2 * 2
+    errors = [float(row["eps8"]) for row in trainings if row["hidden"] == "3-6-4"]
+    assert float(table[3]["eps8"]) == pytest.approx(statistics.median(errors))
+
+
+def test_analytic_takes_the_networks_that_another_study_trained(gonio, tmp_path):
+    assert (
+        gonio("study", "activations", "satin", *QUICK, "--activations", "softsign").returncode == 0
+    )
+    before = (tmp_path / "study" / "results.jsonl").read_bytes()
+    assert gonio("study", "analytic", "satin", *QUICK, "--models", "lambert").returncode == 0
+    assert (tmp_path / "study" / "results.jsonl").read_bytes() == before
 
 
 def test_what_is_killed_goes_on(gonio, tmp_path):

@@ -11,6 +11,7 @@ from gonio.errors import BadFileError, BadInputError
 from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.estimators import PaperEstimator
 from nnbrdf.studies import designs, run
+from nnbrdf.studies.analytic import compare_networks
 from nnbrdf.studies.job import Job, Outcome
 from nnbrdf.studies.run import run_jobs
 from nnbrdf.studies.settings import agreement, rank_setting
@@ -185,6 +186,23 @@ def test_a_cell_stands_unless_most_of_its_trainings_diverged():
     a, b, c = table.rows
     assert (a.mean, a.diverged, b.mean, b.diverged) == (1.0, 0, 2.0, 1)
     assert (c.cells, c.mean, c.rank, c.diverged) == ((None,), None, 3, 2)
+
+
+def test_a_network_beside_models_is_the_median_of_its_seeds():
+    scored = {"male": 0.1, "cube_root_rmse": 0.2}
+    outcomes = [
+        replace(an_outcome(error, seed, hidden=hidden), seconds=error / 10, **scored)
+        for hidden, errors in {(4, 3): (1.0, 2.0, 9.0), (8,): (5.0, 4.0, 3.0)}.items()
+        for seed, error in enumerate(errors)
+    ]
+    first, second = compare_networks(outcomes)
+    assert (first.name, first.subset, first.numbers) == ("network 4-3", "vs-is", 28 + 15 + 12)
+    assert (first.scores.eps8, first.fit_seconds) == (2.0, 0.2)
+    assert (second.name, second.scores.eps8) == ("network 8", 4.0)
+    assert first.million_seconds > 0
+    lost = [replace(outcome, diverged=True, eps8=None) for outcome in outcomes[:2]]
+    (first,) = compare_networks([*lost, outcomes[2]])
+    assert first.scores.eps8 == np.inf
 
 
 def test_what_diverged_is_the_worst_in_decibels_too():
