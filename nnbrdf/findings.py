@@ -20,8 +20,8 @@ class Findings(Document):
     isotropic, isotropic_log_odds
         Whether the material depends on the azimuths by their difference only, and the logarithm
         of the odds for it.
-    reciprocal
-        Whether light and view may be exchanged as far as the samples say.
+    reciprocal, reciprocal_log_odds
+        The same of whether light and view may be exchanged.
     single_spectrum
         Whether all channels are multiples of one.
     smooth, stretch, exchange, noise
@@ -39,6 +39,7 @@ class Findings(Document):
     isotropic: bool
     isotropic_log_odds: float
     reciprocal: bool
+    reciprocal_log_odds: float
     single_spectrum: bool
     smooth: float = Field(ge=0)
     stretch: float = Field(gt=0)
@@ -59,7 +60,8 @@ class Findings(Document):
             else f"anisotropic ({odds} against isotropic)",
             "reciprocal: light and view are exchangeable, by construction"
             if self.reciprocal
-            else "the samples contradict reciprocity, so the model does not assume it",
+            else "the samples are explained better without reciprocity (log odds "
+            f"{-self.reciprocal_log_odds:.0f}), so the model does not assume it",
             "one spectrum: all channels are multiples of one"
             if self.single_spectrum
             else "channels differ by more than a factor",
@@ -80,8 +82,9 @@ def findings_of(inference: Inference, *, single_spectrum: bool) -> Findings:
     posterior = inference.posterior
     return Findings(
         isotropic=posterior.isotropic,
-        isotropic_log_odds=posterior.odds,
+        isotropic_log_odds=posterior.odds.isotropic,
         reciprocal=posterior.reciprocal,
+        reciprocal_log_odds=posterior.odds.reciprocal,
         single_spectrum=single_spectrum,
         **posterior.best.settings._asdict(),
         inflation=inference.inflation,

@@ -19,6 +19,7 @@ from nnbrdf.prior.material_prior import MaterialPrior
 from nnbrdf.spectrum import as_one_channel, single_spectrum
 from nnbrdf.taught import TaughtBRDF, TaughtCard
 from nnbrdf.training import default_trainer, make_trainer
+from nnbrdf.usable import check_samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MIN_SAMPLES = 8
 SIZES: dict[str, tuple[int, ...]] = {
     "88": (3, 6, 4),
     "1268": (15, 30, 20),
@@ -191,27 +191,6 @@ def encoding_of(inference: Inference) -> str:
     posterior = inference.posterior
     kind = "isotropic" if posterior.isotropic else "anisotropic"
     return kind if posterior.reciprocal else f"{kind}-exchange"
-
-
-def check_samples(samples: Samples, estimator: str) -> None:
-    """Refuse samples that an estimator cannot use.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        Saying why.
-    """
-    samples.check()
-    if len(samples) < MIN_SAMPLES:
-        raise BadInputError(
-            f"there are {len(samples)} samples; estimator {estimator} needs at least "
-            f"{MIN_SAMPLES}, so measure more directions"
-        )
-    if len(samples.channels) not in (1, 3):
-        raise BadInputError(
-            f"the samples have {len(samples.channels)} channels; estimator {estimator} takes one "
-            "or three"
-        )
 
 
 def _lesson_pairs(seed: int) -> Pairs:

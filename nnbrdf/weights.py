@@ -43,13 +43,15 @@ def read_weights(folder: Path, card: Card) -> Networks:
 
 
 def write_tensors(folder: Path, tensors: dict[str, NDArray[Any]]) -> None:
-    """Write float32 arrays by name."""
+    """Write arrays by name."""
     whole = {name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}
     write_bytes(folder / WEIGHTS_NAME, safetensors.numpy.save(whole))
 
 
-def read_tensors(folder: Path, shapes: dict[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
-    """Read float32 arrays, in the order of the names and shapes that are expected.
+def read_tensors(
+    folder: Path, shapes: dict[str, tuple[int, ...]], dtype: type[np.generic] = np.float32
+) -> dict[str, NDArray[Any]]:
+    """Read arrays, in the order of the names and shapes that are expected.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def read_tensors(folder: Path, shapes: dict[str, tuple[int, ...]]) -> dict[str, 
         raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
     except (safetensors.SafetensorError, KeyError, ValueError, TypeError) as error:
         raise BadFileError(path, f"is broken ({error})", REMEDY) from None
-    return {name: _checked(tensors, name, shape, path) for name, shape in shapes.items()}
+    return {name: _checked(tensors, name, shape, dtype, path) for name, shape in shapes.items()}
 
 
 def shapes_of(sizes: Sequence[int], members: int, prefix: str = "") -> dict[str, tuple[int, ...]]:
@@ -75,14 +77,20 @@ def shapes_of(sizes: Sequence[int], members: int, prefix: str = "") -> dict[str,
 
 
 def _checked(
-    tensors: dict[str, NDArray[Any]], name: str, shape: tuple[int, ...], path: Path
+    tensors: dict[str, NDArray[Any]],
+    name: str,
+    shape: tuple[int, ...],
+    dtype: type[np.generic],
+    path: Path,
 ) -> NDArray[Any]:
     if name not in tensors:
         raise BadFileError(path, f"{name}: is missing", REMEDY)
     tensor = tensors[name]
-    if tensor.shape != shape or tensor.dtype != np.float32:
+    if tensor.shape != shape or tensor.dtype != dtype:
         found = f"{tensor.dtype} of shape {tensor.shape}"
-        raise BadFileError(path, f"{name}: is {found}, not float32 of shape {shape}", REMEDY)
+        raise BadFileError(
+            path, f"{name}: is {found}, not {np.dtype(dtype)} of shape {shape}", REMEDY
+        )
     if not np.isfinite(tensor).all():
         raise BadFileError(path, f"{name}: holds numbers that are not finite", REMEDY)
     return tensor

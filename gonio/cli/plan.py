@@ -90,7 +90,7 @@ def command(
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
-    from nnbrdf.estimators import MIN_SAMPLES
+    from nnbrdf.usable import MIN_SAMPLES
     from planner.density import split_density
     from planner.make import make_plan
 

@@ -44,6 +44,8 @@ class Inference:
         Which samples contradict all others and were left out, shape (n,).
     bounds
         Which samples are clipped and lie below what the others say: lower bounds, left out.
+    log, noise
+        What the posterior was conditioned on, shapes (n, channels) and (n,).
     """
 
     posterior: Posterior
@@ -51,6 +53,8 @@ class Inference:
     inflation: float
     outliers: NDArray[np.bool_]
     bounds: NDArray[np.bool_]
+    log: Array
+    noise: Array
 
     def predict(self, light: Array, view: Array) -> LogNormal:
         """Return the posterior at unit vectors of shape (n, 3)."""
@@ -84,7 +88,8 @@ def infer(prior: MaterialPrior, samples: Samples) -> Inference:
         )
         ignored = bounds | outliers
         scale = _scale(posterior, scale)
-    return Inference(posterior, scale, _inflation(posterior, log, ignored), outliers, bounds)
+    inflation = _inflation(posterior, log, ignored)
+    return Inference(posterior, scale, inflation, outliers, bounds, log, noise)
 
 
 def _noise(samples: Samples, scale: float) -> Array:

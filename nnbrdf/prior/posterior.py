@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,9 @@ NOISE = (1e-4, 1e-3, 1e-2, 6e-2)
 _JUDGES = 400
 _COUNTS = 0.02
 _KEPT = 4
-_CHUNK = 1 << 11
+_CLEAR = 3.0
+_CERTAIN = 1e6
+_CHUNK = 10_000
 
 
 @dataclass(frozen=True)
@@ -38,13 +40,18 @@ class Component:
     ----------
     family, settings
         Whose covariance it has.
-    evidence
-        Logarithm of the probability of the observations under it.
+    traits
+        Of the samples' pairs.
+    cholesky
+        Lower factor of the samples' covariance with noise, shape (n, n).
+    weights
+        The covariance's inverse times the samples less their prior mean, shape (n, channels).
+    jitter
+        What was added to the diagonal to factor it.
     """
 
     family: Family
     settings: Settings
-    evidence: float
     traits: Traits
     cholesky: Array
     weights: Array
@@ -86,6 +93,13 @@ class Component:
         return self.weights / precision[:, None], 1 / precision
 
 
+class Odds(NamedTuple):
+    """Logarithms of odds: of being isotropic, and of being reciprocal, over not being so."""
+
+    isotropic: float
+    reciprocal: float
+
+
 @dataclass(frozen=True)
 class Posterior:
     """A mixture of Gaussian processes, weighted by evidence.
@@ -97,12 +111,12 @@ class Posterior:
     shares
         Their probabilities, shape (components,).
     odds
-        Logarithm of the probability of being isotropic over that of not being so.
+        What the samples say of symmetries.
     """
 
     components: tuple[Component, ...]
     shares: Array
-    odds: float
+    odds: Odds
 
     @property
     def best(self) -> Component:
@@ -116,8 +130,8 @@ class Posterior:
 
     @property
     def reciprocal(self) -> bool:
-        """Whether the samples allow that light and view be exchanged."""
-        return self.best.settings.exchange == 0
+        """Whether the samples leave it open that light and view may be exchanged."""
+        return self.odds.reciprocal > -_CLEAR
 
     def predict(self, pairs: Pairs) -> tuple[Array, Array]:
         """Return mean, shape (n, channels), and standard deviation, alike, of the logarithm."""
@@ -185,9 +199,24 @@ class Sites:
         best = judged[0][0]
         limit = 1 if self._many else _KEPT
         kept = [each for each in judged[:limit] if np.exp(each[0] - best) > _COUNTS]
-        components = tuple(self._component(*each, log, noise) for each in kept)
         shares = np.exp(np.array([each[0] for each in kept]) - best)
-        return Posterior(components, shares / shares.sum(), _odds(judged))
+        chosen = [(family.name, settings) for _, family, settings in kept]
+        return self.under(chosen, shares / shares.sum(), _odds(judged), log, noise)
+
+    def under(
+        self,
+        chosen: Sequence[tuple[str, Settings]],
+        shares: Array,
+        odds: Odds,
+        log: Array,
+        noise: Array,
+    ) -> Posterior:
+        """Condition on samples under families, by name, and settings that were chosen before.
+
+        `shares` and `odds` as in `Posterior`, `log` and `noise` as in `condition`.
+        """
+        components = tuple(self._component(*each, log, noise) for each in chosen)
+        return Posterior(components, shares, odds)
 
     def _judge(self, log: Array, noise: Array) -> list[tuple[float, Family, Settings]]:
         """Return the evidence of all settings, the likeliest first."""
@@ -199,24 +228,32 @@ class Sites:
                 result.append((_log_probability(lower, log - mean[:, None]), family, settings))
         return sorted(result, key=lambda each: -each[0])
 
-    def _component(
-        self, evidence: float, family: Family, settings: Settings, log: Array, noise: Array
-    ) -> Component:
+    def _component(self, name: str, settings: Settings, log: Array, noise: Array) -> Component:
         from scipy.linalg import cho_solve
 
-        traits = next(traits for each, traits in self._traits if each is family)
+        family, traits = next(each for each in self._traits if each[0].name == name)
         covariance = family.covariances(traits, traits, settings.stretch).total(settings)
         lower, jitter = _cholesky(covariance, settings.noise + noise)
         weights = cho_solve((lower, True), log - traits.mean[:, None], check_finite=False)
-        return Component(family, settings, evidence, traits, lower, weights, jitter)
+        return Component(family, settings, traits, lower, weights, jitter)
 
 
-def _odds(judged: list[tuple[float, Family, Settings]]) -> float:
-    """Return the logarithm of the odds of being isotropic."""
-    by_kind: dict[bool, list[float]] = {True: [-np.inf], False: [-np.inf]}
-    for evidence, family, _ in judged:
-        by_kind[family.isotropic].append(evidence)
-    return float(np.logaddexp.reduce(by_kind[True]) - np.logaddexp.reduce(by_kind[False]))
+def _odds(judged: list[tuple[float, Family, Settings]]) -> Odds:
+    evidence = np.array([each[0] for each in judged])
+    isotropic = np.array([family.isotropic for _, family, _ in judged])
+    # among the settings of the likelier kind only: the other's breach says nothing
+    likelier = isotropic == isotropic[0]
+    reciprocal = np.array([settings.exchange == 0 for *_, settings in judged])
+    return Odds(_log_odds(evidence, isotropic), _log_odds(evidence[likelier], reciprocal[likelier]))
+
+
+def _log_odds(evidence: Array, true: NDArray[np.bool_]) -> float:
+    """Return the logarithm of the odds that the settings where `true` are meant."""
+
+    def total(rows: NDArray[np.bool_]) -> float:
+        return float(np.logaddexp.reduce(evidence[rows], initial=-_CERTAIN))
+
+    return total(true) - total(~true)
 
 
 def _log_probability(lower: Array, residual: Array) -> float:

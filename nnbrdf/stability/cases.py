@@ -9,7 +9,7 @@ import numpy as np
 from gonio.directions import paper_directions
 from gonio.errors import BadInputError
 from gonio.samples import Samples
-from nnbrdf.estimators import PaperEstimator
+from nnbrdf.paper import PaperEstimator
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -23,7 +23,7 @@ class Job:
     subset
         Name of the pairs it is trained on.
     activation, encoding, hidden
-        As in `nnbrdf.estimators.PaperEstimator`.
+        As in `nnbrdf.paper.PaperEstimator`.
     steps
         Number of batches of 32.
     top

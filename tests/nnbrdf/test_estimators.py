@@ -10,10 +10,11 @@ from gonio.directions import paper_directions
 from gonio.errors import BadInputError
 from gonio.materials import MeasuredTable
 from gonio.samples import Flag, Samples
-from nnbrdf.estimators import ESTIMATORS, PaperEstimator, estimator_named
+from nnbrdf.estimators import ESTIMATORS, estimator_named
 from nnbrdf.history import History
 from nnbrdf.metrics import eps8, male
 from nnbrdf.model import NNBRDF
+from nnbrdf.paper import PaperEstimator
 
 QUICK = {"hidden": (3, 6, 4), "steps": 30}
 
@@ -167,7 +168,7 @@ def test_with_neither_kernel_nor_torch_it_says_what_to_install():
         "import sys; sys.modules['torch'] = sys.modules['nnbrdf._fused'] = None\n"
         "import numpy as np\n"
         "from gonio.samples import Samples\n"
-        "from nnbrdf.estimators import PaperEstimator\n"
+        "from nnbrdf.paper import PaperEstimator\n"
         "up = np.tile([0.0, 0.0, 1.0], (8, 1))\n"
         "try: PaperEstimator().fit(Samples.from_values(up, up, np.ones((8, 3))))\n"
         "except Exception as error: print(type(error).__name__, error)"

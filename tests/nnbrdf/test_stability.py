@@ -10,8 +10,8 @@ from gonio.directions import from_degrees, paper_directions
 from gonio.errors import BadInputError
 from gonio.samples import Samples
 from nnbrdf.activations import ACTIVATIONS
-from nnbrdf.estimators import PaperEstimator
 from nnbrdf.network import glorot_uniform
+from nnbrdf.paper import PaperEstimator
 from nnbrdf.stability import limits
 from nnbrdf.stability.cases import CASES, outcome
 from nnbrdf.stability.floor import loss_floor

@@ -9,7 +9,7 @@ from gonio.materials import MeasuredTable
 from gonio.rig import default_rig, default_rig_text
 from gonio.samples import Samples
 from gonio.session import Notes, Session
-from nnbrdf.estimators import PaperEstimator
+from nnbrdf.paper import PaperEstimator
 from planner.make import make_plan
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from gonio.errors import BadFileError, BadInputError
 from nnbrdf.activations import ACTIVATIONS
-from nnbrdf.estimators import PaperEstimator
+from nnbrdf.paper import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.analytic import compare_networks
 from nnbrdf.studies.job import Job, Outcome
