@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gonio.materials import MeasuredTable
     from gonio.plan import Plan
     from gonio.samples import Samples
-    from nnbrdf.model import NNBRDF
+    from nnbrdf.load import Model
 
 _PLANES = ((0.0, "Along the marked edge"), (90.0, "Across the marked edge"))
 
@@ -48,9 +48,9 @@ def draw_all(
 ) -> Drawings:
     """Draw everything that is known of a model; without the truth, what needs none."""
     from gonio.materials import MeasuredTable
-    from nnbrdf.model import NNBRDF
+    from nnbrdf.load import load_model
 
-    estimate = NNBRDF.load(model)
+    estimate = load_model(model)
     truth = None if truth_path is None else MeasuredTable.load(truth_path)
     with page_style():
         return Drawings(
@@ -67,7 +67,7 @@ def _drawing(title: str, figure: Figure, caption: str) -> Drawing:
     return Drawing(title, inline_svg(figure, name, f"{title}: {caption}"), caption)
 
 
-def _spheres(estimate: NNBRDF, truth: MeasuredTable | None) -> dict[str, str]:
+def _spheres(estimate: Model, truth: MeasuredTable | None) -> dict[str, str]:
     white = estimate.card.white if truth is None else truth.white
     known = {"reconstruction": estimate, "truth": truth}
     return {name: sphere_uri(each, white) for name, each in known.items() if each is not None}
@@ -97,7 +97,7 @@ def _of(count: int, candidates: int) -> str:
     return f"{count} chosen of {candidates} (filled), {candidates - count} skipped (open)"
 
 
-def _material(estimate: NNBRDF, truth: MeasuredTable | None) -> Iterator[Drawing]:
+def _material(estimate: Model, truth: MeasuredTable | None) -> Iterator[Drawing]:
     grid = {name: array.astype(np.float64) for name, array in estimate.grid().items()}
     white = estimate.card.white if truth is None else truth.white
     exposed = f"White is {white:.3g} 1/sr, then sRGB."
@@ -114,11 +114,11 @@ def _material(estimate: NNBRDF, truth: MeasuredTable | None) -> Iterator[Drawing
     yield _drawing(
         "Uncertainty",
         maps.draw_sigma(grid["sigma"]),
-        "One standard uncertainty: how far the networks spread.",
+        "One standard uncertainty; the brightest per cent is cut.",
     )
 
 
-def _planes(estimate: NNBRDF, truth: MeasuredTable | None, samples: Samples) -> Iterator[Drawing]:
+def _planes(estimate: Model, truth: MeasuredTable | None, samples: Samples) -> Iterator[Drawing]:
     known = "" if truth is None else " dashed: truth,"
     for azimuth_deg, title in _PLANES:
         yield _drawing(
@@ -130,7 +130,7 @@ def _planes(estimate: NNBRDF, truth: MeasuredTable | None, samples: Samples) -> 
 
 
 def _errors(
-    model: Path, estimate: NNBRDF, truth: MeasuredTable | None, samples: Samples
+    model: Path, estimate: Model, truth: MeasuredTable | None, samples: Samples
 ) -> Iterator[Drawing]:
     from nnbrdf.history import FILE_NAME, History
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gonio.materials import MeasuredTable
     from gonio.samples import Samples
     from nnbrdf.history import History
-    from nnbrdf.model import NNBRDF
+    from nnbrdf.load import Model
 
 _LEAST = 1e-3
 _MANY = 2000
@@ -57,7 +57,7 @@ def _errors(history: History, truth: MeasuredTable) -> NDArray[np.float64]:
     )
 
 
-def draw_scatter(estimate: NNBRDF, samples: Samples) -> Figure:
+def draw_scatter(estimate: Model, samples: Samples) -> Figure:
     """Draw the model against the samples, channel by channel, on logarithmic axes."""
     figure = new_figure(4.2, 3.4)
     axes = figure.subplots()

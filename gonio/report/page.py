@@ -80,16 +80,19 @@ def _render(
 
     from gonio.report import provenance
     from gonio.report.drawings import draw_all
-    from nnbrdf.card import read_card
+    from gonio.report.next_pairs import next_pairs
+    from nnbrdf.load import load_model
 
     environment = Environment(
         loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     chain = session.chain() if session else []
+    estimate = load_model(model)
     content: dict[str, Any] = {
         "summary": summary,
-        "model": read_card(model),
+        "model": estimate.card,
+        "next_pairs": next_pairs(estimate.grid(), estimate.card.white),
         "samples": samples,
         "flags": _flag_counts(samples),
         "notes": session.notes() if session else None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from gonio.materials import MeasuredTable
     from gonio.samples import Samples
+    from nnbrdf.load import Model
     from nnbrdf.model import NNBRDF
 
 NOT_KNOWN = "not known: a rig has no truth"
@@ -39,14 +40,15 @@ class Summary:
     Attributes
     ----------
     against_truth
-        First the error that is quoted, the median of the members; then the delivered network,
-        over all and channel by channel. Empty where the truth is not known.
+        First the error that is quoted: of the model, or the median of the members where there are
+        several, then the delivered one's; then channel by channel. Empty where the truth is not
+        known.
     residual
-        Of the delivered network at the samples, with the samples' white.
+        Of the model at the samples, with the samples' white.
     coverage
         Share of the true values between the 5 and 95 % quantiles; None where not known.
     weights
-        Of one network.
+        How many numbers the model is made of.
     shots
         Number of samples.
     """
@@ -116,9 +118,9 @@ def summarize(model: Path, samples: Samples, truth: Path | None) -> Summary:
         When the model or the truth cannot be read.
     """
     from gonio.materials import MeasuredTable
-    from nnbrdf.model import NNBRDF
+    from nnbrdf.load import load_model
 
-    estimate = NNBRDF.load(model)
+    estimate = load_model(model)
     true = None if truth is None else MeasuredTable.load(truth)
     return Summary(
         against_truth=() if true is None else _against_truth(estimate, true),
@@ -129,26 +131,29 @@ def summarize(model: Path, samples: Samples, truth: Path | None) -> Summary:
     )
 
 
-def _against_truth(estimate: NNBRDF, true: MeasuredTable) -> tuple[Row, ...]:
+def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[Row, ...]:
     from nnbrdf.metrics import eps8, eps8_per_channel, male, male_per_channel
+    from nnbrdf.model import NNBRDF
 
-    members, pair = member_grids(estimate), (true.values, true.white)
-    delivered = members[estimate.card.delivered]
+    pair = (true.values, true.white)
+    values = estimate.grid()["values"].astype(np.float64)
+    told = Row("error", eps8(values, *pair), male(values, *pair))
     channels = zip(
-        "rgb", eps8_per_channel(delivered, *pair), male_per_channel(delivered, *pair), strict=True
+        "rgb", eps8_per_channel(values, *pair), male_per_channel(values, *pair), strict=True
     )
-    return (
-        Row(
-            f"error (median of {len(members)} networks)",
-            float(np.median([eps8(member, *pair) for member in members])),
-            float(np.median([male(member, *pair) for member in members])),
-        ),
-        Row("delivered network", eps8(delivered, *pair), male(delivered, *pair)),
-        *(Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels),
+    rows = [Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels]
+    if not isinstance(estimate, NNBRDF):
+        return (told, *rows)
+    members = member_grids(estimate)
+    median = Row(
+        f"error (median of {len(members)} networks)",
+        float(np.median([eps8(member, *pair) for member in members])),
+        float(np.median([male(member, *pair) for member in members])),
     )
+    return (median, replace(told, name="delivered network"), *rows)
 
 
-def _residual(estimate: NNBRDF, samples: Samples) -> Row:
+def _residual(estimate: Model, samples: Samples) -> Row:
     from nnbrdf.metrics import eps8, male
 
     # noise may be below zero, where male has no logarithm
@@ -158,7 +163,7 @@ def _residual(estimate: NNBRDF, samples: Samples) -> Row:
     return Row(name, eps8(told, measured, samples.white), male(told, measured, samples.white))
 
 
-def _coverage(estimate: NNBRDF, true: MeasuredTable) -> float:
+def _coverage(estimate: Model, true: MeasuredTable) -> float:
     grid = estimate.grid()
     return float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
 
@@ -173,7 +178,7 @@ def member_grids(estimate: NNBRDF) -> NDArray[np.float64]:
     return values.reshape(-1, *light.shape)
 
 
-def at_samples(estimate: NNBRDF, samples: Samples) -> NDArray[np.float64]:
-    """Return what the delivered network says at the samples, 1/sr, shape (n, channels)."""
+def at_samples(estimate: Model, samples: Samples) -> NDArray[np.float64]:
+    """Return what the model says at the samples, 1/sr, shape (n, channels)."""
     # a single channel is repeated by the model, and one of the three is enough
     return estimate.evaluate(samples.light, samples.view)[:, : len(samples.channels)]
