@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,7 +15,12 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from gonio.session import Session
 
-SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
+_PAPER_SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
+_OF = {
+    "weights": ("nn", "paper"), "steps": ("nn", "paper"), "epochs": ("paper",),
+    "encoding": ("paper",), "activation": ("nn", "paper"), "trainer": ("nn", "paper"),
+    "seed": ("nn", "analytic", "paper"), "prior": ("nn", "prior"),
+}  # fmt: skip
 
 
 @click.command(name="reconstruct")
@@ -28,54 +33,53 @@ SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
 )
 @click.option(
     "--estimator",
-    type=click.Choice(["paper"]),
-    default="paper",
+    type=click.Choice(["nn", "prior", "analytic", "paper"]),
+    default="nn",
     show_default=True,
-    help="How samples become a material.",
+    help="How samples become a material. nn: a small network taught by what a prior of generated "
+    "materials makes of the samples. prior: that itself, exact and slow to evaluate. analytic: "
+    "the model of the literature that fits best. paper: networks on the samples alone.",
 )
 @click.option(
     "--weights",
-    type=click.Choice(list(SIZES)),
-    default="1268",
-    show_default=True,
-    help="Size of the network: hidden layers 15-30-20 or 3-6-4.",
+    type=click.Choice(["88", "1268", "2595", "9219"]),
+    help="Size of the network, of nn at most; paper knows the first two.  [default: 1268]",
 )
-@click.option("--epochs", type=click.IntRange(min=1), default=500, show_default=True)
 @click.option(
     "--steps",
     type=click.IntRange(min=1),
-    help="Train for so many steps instead of epochs; 103000 are 500 epochs of all 6561 pairs.",
+    help="Batches of 32 to train for.  [default: nn 60000, paper as by --epochs]",
 )
+@click.option("--epochs", type=click.IntRange(min=1), help="Of estimator paper.  [default: 500]")
 @click.option(
     "--activation",
-    default="softsign",
-    show_default=True,
-    help="Of the hidden layers: tanh, gelu, relu, ... (any other word lists all twenty).",
+    metavar="NAME",
+    help="Of the hidden layers: tanh, gelu, relu, ... (any other word lists all twenty).  "
+    "[default: nn gelu, paper softsign]",
 )
 @click.option(
     "--encoding",
-    default="xyz",
-    show_default=True,
-    help="Inputs made of the directions: sincos, half-difference, ... (any other word lists all).",
+    metavar="NAME",
+    help="Inputs of estimator paper: xyz, sincos, half-difference, ... (any other word lists "
+    "all).  [default: xyz]",
 )
 @click.option(
     "--trainer",
     type=click.Choice(["fused", "torch", "cuda"]),
     help="Who trains: the compiled kernel, torch, or torch on a GPU.  [default: the kernel]",
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--prior",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="What materials look like (see gonio prior).  [default: generated ones]",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Of starts and orders.  [default: 0]")
 def command(
     *,
     source: Path,
     output: Path | None,
     estimator: str,
-    weights: str,
-    epochs: int,
-    steps: int | None,
-    activation: str,
-    encoding: str,
-    trainer: str | None,
-    seed: int,
+    **settings: str | int | Path | None,
 ) -> None:
     """Turn SOURCE into a material for the whole hemisphere, with error bars.
 
@@ -87,24 +91,38 @@ def command(
     \b
     Examples:
         gonio reconstruct session/
-        gonio reconstruct session/ --steps 103000
+        gonio reconstruct session/ --weights 9219
+        gonio reconstruct session/ --estimator paper --steps 103000 -o paper/
         gonio reconstruct samples.csv -o model/
     """  # noqa: D301
-    from nnbrdf.estimators import estimator_named
-
-    recipe = estimator_named(estimator)(
-        hidden=SIZES[weights],
-        epochs=epochs,
-        steps=steps,
-        seed=seed,
-        activation=activation,
-        encoding=encoding,
-        trainer=trainer,
-    )
+    recipe = _recipe(estimator, {k: v for k, v in settings.items() if v is not None})
     if source.is_file():
         _from_table(recipe, source, output or source.parent / "model")
     else:
         _from_session(recipe, source, output)
+
+
+def _recipe(name: str, settings: dict[str, Any]) -> Estimator:
+    """Return the estimator; options of others are refused, since they would do nothing."""
+    from gonio.errors import BadInputError
+    from nnbrdf.estimators import estimator_named
+
+    for option in settings:
+        if name not in _OF[option]:
+            known = " and ".join(_OF[option])
+            raise BadInputError(f"--{option} is an option of estimator {known}, not of {name}")
+    if "prior" in settings:
+        from gonio.cli._prior import material_prior
+
+        settings["prior"] = material_prior(settings["prior"])
+    size = settings.pop("weights", None)
+    if size is not None and name == "nn":
+        settings["size"] = size
+    elif size is not None:
+        if size not in _PAPER_SIZES:
+            raise BadInputError(f"--weights {size}: estimator paper knows 88 and 1268")
+        settings["hidden"] = _PAPER_SIZES[size]
+    return estimator_named(name)(**settings)
 
 
 def _from_table(recipe: Estimator, table: Path, folder: Path) -> None:
