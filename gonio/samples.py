@@ -58,6 +58,8 @@ class Samples:
         What the channels are, such as "linear sRGB".
     provenance
         SHA-256 hashes of what the samples were made from, by name.
+    patch_mm
+        Side of the square of the sample that each value is the mean over; None where unknown.
     """
 
     light: NDArray[np.float64]
@@ -72,6 +74,7 @@ class Samples:
     channels: tuple[str, ...] = RGB
     color_space: str = "linear sRGB"
     provenance: dict[str, str] = field(default_factory=dict)
+    patch_mm: float | None = None
 
     @classmethod
     def from_values(
@@ -159,6 +162,8 @@ class Samples:
             f"value is beyond {_LARGEST:g} 1/sr", (np.abs(self.value) > _LARGEST).any(axis=1)
         )
         _refuse_rows("sigma is negative or infinite", _bad_sigma(self.sigma).any(axis=1))
+        if self.patch_mm is not None and not 0 < self.patch_mm < np.inf:
+            raise BadInputError(f"samples: patch_mm is {self.patch_mm:g}, no positive number")
 
     def save(self, path: Path) -> None:
         """Write netCDF-4, whole or not at all (layout: docs/topics/files.md)."""
@@ -206,6 +211,8 @@ class Samples:
             attrs={"schema": SCHEMA, "color_space": self.color_space, "units": "sr-1"},
         )
         dataset.attrs.update({f"sha256_{name}": digest for name, digest in self.provenance.items()})
+        if self.patch_mm is not None:
+            dataset.attrs["patch_mm"] = self.patch_mm
         return dataset
 
     @classmethod
@@ -226,6 +233,7 @@ class Samples:
                     for name, digest in dataset.attrs.items()
                     if name.startswith("sha256_")
                 },
+                patch_mm=_patch_mm(dataset),
             )
             samples.check()
         except KeyError as error:
@@ -248,6 +256,14 @@ def _typed(dataset: xarray.Dataset, name: str) -> Any:
     except TypeError:
         found = dataset[name].dtype
         raise BadInputError(f"{name}: holds {found}, not {_DTYPES[name].__name__}") from None
+
+
+def _patch_mm(dataset: xarray.Dataset) -> float | None:
+    stated = dataset.attrs.get("patch_mm")
+    try:
+        return None if stated is None else float(stated)
+    except (TypeError, ValueError):
+        raise BadInputError(f"patch_mm: holds {stated!r}, no number") from None
 
 
 def _flag_attributes() -> dict[str, object]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadFileError, BadInputError
 from gonio.geometry import ArmPose
-from gonio.reduce.raw import REMEDY, read_raw
+from gonio.reduce.raw import REMEDY, decode_raw, read_vouched
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -58,7 +58,8 @@ class Frames:
     problems
         What was wrong with each calibration frame that was left out, by role.
     useless
-        What was wrong with each frame that must be taken again, by its file.
+        What is wrong with each frame that is as it was taken and yet of no use, by its file; one
+        that is missing or changed may come back.
     """
 
     def __init__(self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord]) -> None:
@@ -119,8 +120,9 @@ class Frames:
 
     def _read(self, record: FrameRecord) -> RawFrame:
         path = self._root / record.file
+        data = read_vouched(path, record.sha256)
         try:
-            raw = self._read_checked(record, path)
+            raw = self._decode(data, record, path)
         except BadFileError as error:
             self.useless[record.file] = str(error)
             raise
@@ -128,8 +130,8 @@ class Frames:
         self._check_sensor(raw.sensor, path)
         return raw
 
-    def _read_checked(self, record: FrameRecord, path: Path) -> RawFrame:
-        raw = read_raw(path, record.sha256)
+    def _decode(self, data: bytes, record: FrameRecord, path: Path) -> RawFrame:
+        raw = decode_raw(data, path)
         # the tolerance that the rig's protocol grants the shutter
         if abs(raw.exposure_s - record.exposure_s) > 0.01 * record.exposure_s + 100e-6:
             problem = f"was open {raw.exposure_s:g} s, not the {record.exposure_s:g} s asked for"

@@ -86,22 +86,33 @@ class RawFrame:
     sensor: Sensor
 
 
-def read_raw(path: Path, sha256: str | None = None) -> RawFrame:
-    """Read a DNG file with one Bayer plane.
-
-    Parameters
-    ----------
-    path
-        The file.
-    sha256
-        What its content must hash to, in hexadecimal; LibRaw reads a damaged plane in silence.
+def read_vouched(path: Path, sha256: str) -> bytes:
+    """Read a file whose content must hash to `sha256`, in hexadecimal.
 
     Raises
     ------
     gonio.errors.BadFileError
-        When it is missing, changed since it was taken, cut short, or no such DNG.
+        When it is missing or has changed; LibRaw would read a damaged plane in silence.
     """
-    data = _content(path, sha256)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise BadFileError(path, "no such file", REMEDY) from None
+    except OSError as error:
+        raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
+    if sha256_bytes(data) != sha256:
+        raise BadFileError(path, "has changed since the journal vouched for it", REMEDY)
+    return data
+
+
+def decode_raw(data: bytes, path: Path) -> RawFrame:
+    """Decode a DNG file with one Bayer plane, which came from `path`.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When it is cut short, or no such DNG.
+    """
     tags = _tags(data, path)
     mosaic, pattern, black, white = _decode(data, path)
     sensor = Sensor(
@@ -114,18 +125,6 @@ def read_raw(path: Path, sha256: str | None = None) -> RawFrame:
         color_matrix=_color_matrix(tags, path),
     )
     return RawFrame(mosaic, _exposure_s(tags, path), sensor)
-
-
-def _content(path: Path, sha256: str | None) -> bytes:
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise BadFileError(path, "no such file", REMEDY) from None
-    except OSError as error:
-        raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
-    if sha256 is not None and sha256_bytes(data) != sha256:
-        raise BadFileError(path, "has changed since the journal vouched for it", REMEDY)
-    return data
 
 
 def _tags(data: bytes, path: Path) -> dict[int, Any]:

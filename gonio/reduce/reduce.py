@@ -10,12 +10,12 @@ import numpy as np
 
 from gonio.directions import normalize
 from gonio.errors import BadInputError
-from gonio.files import canonical_json, sha256_bytes
 from gonio.reduce.calibrate import calibrate
 from gonio.reduce.color import COLOR_SPACE
 from gonio.reduce.frames import Frames
 from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
+from gonio.reduce.provenance import provenance_of
 from gonio.reduce.reading import take_reading
 from gonio.samples import Flag, Samples
 from gonio.timemodel import exposures_of
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from gonio.session import Session
 
 PATCH_MM: Final = 5.0
-"""Side of the patch that a sample is the mean over, unless told otherwise."""
+"""Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
 _FEW_PIXELS = 8
 
@@ -43,7 +43,7 @@ _log = logging.getLogger(__name__)
 
 
 def reduce_session(
-    session: Session, *, patch_mm: float = PATCH_MM, progress: Progress | None = None
+    session: Session, *, patch_mm: float | None = None, progress: Progress | None = None
 ) -> Samples:
     """Reduce a session's raw frames and write its `samples.nc`.
 
@@ -55,7 +55,8 @@ def reduce_session(
     session
         The session, locked by the caller.
     patch_mm
-        Side of the square about the sample's centre that each sample is the mean over.
+        Side of the square about the sample's centre that each sample is the mean over; without
+        it, that of the samples that are there, or else `PATCH_MM`.
     progress
         Called with the number of shots done and of all.
 
@@ -74,6 +75,7 @@ def reduce_session(
             f"{session.root}: no shot has been captured yet; go on with: gonio capture --resume"
         )
     frames = Frames(session.root, rig.camera, records)
+    patch_mm = _patch_before(session) if patch_mm is None else patch_mm
     patches = PatchFinder(rig.camera, patch_mm)
     try:
         calibration = calibrate(frames, rig, patches, exposures_of(shots))
@@ -89,9 +91,17 @@ def reduce_session(
             progress(done, len(shots))
     _reject(session, frames)
     _warn(session, problems, len(shots), frames)
-    samples = _samples(rows, _provenance(session, records, rows, calibration))
+    used = [*calibration.records, *(record for row in rows for record in row.records)]
+    samples = _samples(rows, provenance_of(session, used), patch_mm)
     samples.save(session.samples_path)
     return samples
+
+
+def _patch_before(session: Session) -> float:
+    try:
+        return Samples.load(session.samples_path).patch_mm or PATCH_MM
+    except BadInputError:
+        return PATCH_MM
 
 
 @dataclass(frozen=True)
@@ -143,7 +153,7 @@ def _flags(
     return np.asarray(bits, np.uint32)
 
 
-def _samples(rows: Sequence[_Row], provenance: dict[str, str]) -> Samples:
+def _samples(rows: Sequence[_Row], provenance: dict[str, str], patch_mm: float) -> Samples:
     return Samples(
         light=normalize([row.mean("light") for row in rows]),
         view=normalize([row.mean("view") for row in rows]),
@@ -156,32 +166,8 @@ def _samples(rows: Sequence[_Row], provenance: dict[str, str]) -> Samples:
         attempt=np.array([max(r.attempt for r in row.records) for row in rows], np.int64),
         color_space=COLOR_SPACE,
         provenance=provenance,
+        patch_mm=patch_mm,
     )
-
-
-def is_reduced(session: Session) -> bool:
-    """Tell whether `samples.nc` is there and was made from all that the session holds now.
-
-    It may be of any patch: what was reduced on purpose is not undone.
-    """
-    if not session.samples_path.is_file():
-        return False
-    try:
-        made_from = Samples.load(session.samples_path).provenance
-    except BadInputError:
-        return False
-    with session.journal() as journal:
-        records = journal.frames()
-    return made_from.items() >= _sources(session, records).items()
-
-
-def _sources(session: Session, records: Sequence[FrameRecord]) -> dict[str, str]:
-    taken = [record.model_dump(mode="json") for record in records]
-    return {
-        "plan": session.plan().sha256,
-        "rig": session.rig().sha256,
-        "taken": sha256_bytes(canonical_json(taken)),
-    }
 
 
 def _reject(session: Session, frames: Frames) -> None:
@@ -190,17 +176,6 @@ def _reject(session: Session, frames: Frames) -> None:
         for file, problem in frames.useless.items():
             if file not in known:
                 journal.reject(file, problem)
-
-
-def _provenance(
-    session: Session,
-    records: Sequence[FrameRecord],
-    rows: Sequence[_Row],
-    calibration: Calibration,
-) -> dict[str, str]:
-    used = [*calibration.records, *(record for row in rows for record in row.records)]
-    frames = [record.model_dump(mode="json") for record in used]
-    return _sources(session, records) | {"frames": sha256_bytes(canonical_json(frames))}
 
 
 def _warn(session: Session, problems: Sequence[str], shots: int, frames: Frames) -> None:

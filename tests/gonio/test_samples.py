@@ -70,6 +70,7 @@ def any_samples(draw):
         provenance=draw(
             st.dictionaries(st.sampled_from(["plan", "rig", "journal"]), st.just("a1"))
         ),
+        patch_mm=draw(st.none() | st.floats(0.1, 70)),
     )
 
 
@@ -134,6 +135,10 @@ def words_for_values(path):
     dataset.to_netcdf(path, engine="h5netcdf")
 
 
+def words_for_a_patch(path):
+    some()._dataset().assign_attrs(patch_mm="wide").to_netcdf(path, engine="h5netcdf")
+
+
 BAD = [
     # name, what makes the file, what is said
     ("missing", lambda _: None, "no such file"),
@@ -147,6 +152,7 @@ BAD = [
     ("no channel", without("channel"), "channel: is missing"),
     ("no color space", without_color_space, "color_space: is missing"),
     ("words", words_for_values, "value"),
+    ("words for the patch", words_for_a_patch, "patch_mm: holds 'wide', no number"),
 ]
 
 
@@ -171,6 +177,7 @@ INCONSISTENT = [
     ("value NaN", {"value": np.where(np.eye(3), np.nan, 1.0)}, "value is not finite (and 2 more)"),
     ("sigma negative", {"sigma": -THREE.sigma}, "sigma is negative or infinite"),
     ("sigma infinite", {"sigma": THREE.sigma * np.inf}, "sigma is negative or infinite"),
+    ("patch of nothing", {"patch_mm": 0.0}, "patch_mm is 0, no positive number"),
     ("rows differ", {"attempt": np.ones(2, np.int64)}, "attempt has shape (2,), not (3,)"),
     ("channels differ", {"channels": ("y",)}, "value has shape (3, 3), not (3, 1)"),
 ]

@@ -1,0 +1,59 @@
+"""What samples were made from, and whether that is all that a session holds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gonio.errors import BadInputError
+from gonio.files import canonical_json, sha256_bytes
+from gonio.samples import Samples
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from gonio.journal import FrameRecord, Journal
+    from gonio.plan import Shot
+    from gonio.session import Session
+
+
+def provenance_of(session: Session, used: Iterable[FrameRecord]) -> dict[str, str]:
+    """Return the SHA-256 of plan, rig and the records of the frames that were used."""
+    records = sorted(used, key=lambda record: record.file)
+    frames = [record.model_dump(mode="json") for record in records]
+    return {
+        "plan": session.plan().sha256,
+        "rig": session.rig().sha256,
+        "frames": sha256_bytes(canonical_json(frames)),
+    }
+
+
+def is_reduced(session: Session) -> bool:
+    """Tell whether `samples.nc` was made from the newest try at every frame that was captured.
+
+    So it is not when a file was missing then: it may be back. The samples may be of any patch,
+    since what was reduced on purpose is not undone.
+    """
+    if not session.samples_path.is_file():
+        return False
+    try:
+        made_from = Samples.load(session.samples_path).provenance
+    except BadInputError:
+        return False
+    with session.journal() as journal:
+        captured = _captured(journal, session.plan().shots)
+    return made_from.items() >= provenance_of(session, captured).items()
+
+
+def _captured(journal: Journal, shots: Sequence[Shot]) -> list[FrameRecord]:
+    """Return the newest useful record of each calibration frame and of each whole shot's."""
+    rejected = journal.rejected()
+    useful = [record for record in journal.frames() if record.file not in rejected]
+    newest = {record.key: record for record in sorted(useful, key=lambda record: record.attempt)}
+    whole = {
+        shot.index
+        for shot in shots
+        if all(("shot", shot.index, 0, exposure_s) in newest for exposure_s in shot.exposures_s)
+    }
+    return [
+        record for record in newest.values() if record.role != "shot" or record.shot_index in whole
+    ]
