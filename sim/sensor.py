@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gonio.color import XYZ_FROM_SRGB
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -32,15 +34,6 @@ CAMERA_FROM_SRGB: Final = CAMERA_NEUTRAL[:, None] * np.array(
     [[0.50, 0.30, 0.20], [0.20, 0.65, 0.15], [0.16, 0.34, 0.50]]
 )
 """Linear sRGB to camera RGB: every filter lets much of its neighbors' light through."""
-
-XYZ_FROM_SRGB: Final = np.array(
-    [
-        [0.4124564, 0.3575761, 0.1804375],
-        [0.2126729, 0.7151522, 0.0721750],
-        [0.0193339, 0.1191920, 0.9503041],
-    ]
-)
-"""Linear sRGB to CIE XYZ under D65 (IEC 61966-2-1 primaries and white)."""
 
 CAMERA_FROM_XYZ: Final = CAMERA_FROM_SRGB @ np.linalg.inv(XYZ_FROM_SRGB)
 """ColorMatrix1."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gonio.color import XYZ_FROM_SRGB
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -14,15 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 COLOR_SPACE: Final = "linear sRGB"
-
-XYZ_FROM_SRGB: Final = np.array(
-    [
-        [0.4124564, 0.3575761, 0.1804375],
-        [0.2126729, 0.7151522, 0.0721750],
-        [0.0193339, 0.1191920, 0.9503041],
-    ]
-)
-"""Linear sRGB to CIE XYZ under D65 (primaries and white of IEC 61966-2-1)."""
 
 
 def camera_from_srgb(color_matrix: Sequence[float]) -> NDArray[np.float64]:
