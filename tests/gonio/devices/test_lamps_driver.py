@@ -1,5 +1,8 @@
 """The lamp head's driver against the twin's lamp line, through the transport seam."""
 
+from functools import reduce
+from operator import xor
+
 import pytest
 
 from gonio.devices import Identity
@@ -253,3 +256,44 @@ def test_a_line_that_stays_silent(bench):
     bench.line.out = dict.fromkeys(range(100), lambda line: None)
     with pytest.raises(TransportTimeoutError, match="no answer"):
         bench.lamps.identify()
+
+
+LATE = {
+    "of a command": (b"LED2:STAT ON", b'ERR 400,"Interlock open"', 2),
+    "of a command that came garbled": (b"LED2:STAT ON", b'ERR 101,"Bad checksum"', 2),
+    "of a query, which is read back": (b"LED2:CURR?", b'ERR 400,"Interlock open"', 3),
+}
+
+
+def summed(text):
+    return text + b"*%02X" % reduce(xor, text)
+
+
+@pytest.mark.parametrize(("command", "error", "sent"), LATE.values(), ids=LATE)
+def test_a_late_error_is_not_taken_for_that_of_the_next_request(greeted, command, error, sent):
+    """The first try is answered by an error that comes only after the second was sent."""
+    tries = []
+
+    def delay(request):
+        if command not in request:
+            return request
+        tries.append(request)
+        if len(tries) == 2:
+            number = tries[0].partition(b" ")[0]
+            greeted.twin.line._answers.append(summed(number + b" " + error))
+        return None if len(tries) == 1 else request
+
+    greeted.line.out = dict.fromkeys(range(200), delay)
+    greeted.lamps.apply(TWO)
+    assert lit(greeted) == {2: 350.0, 11: 123.4}
+    # once lost, once more: nothing else was sent because of the error
+    assert [request.partition(b" ")[2][:-3] for request in greeted.line.sent].count(command) == sent
+
+
+def test_an_error_that_lost_its_number_is_that_of_the_open_request(greeted):
+    """Then nobody waits until the time for the answer is over."""
+    greeted.line.out = {0: lambda request: b"*" + request}
+    began_s = greeted.clock.now()
+    greeted.lamps.apply(TWO)
+    assert lit(greeted) == {2: 350.0, 11: 123.4}
+    assert greeted.clock.now() - began_s < 0.5
