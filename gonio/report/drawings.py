@@ -44,14 +44,12 @@ class Drawings(NamedTuple):
 
 
 def draw_all(
-    model: Path, samples: Samples, chain: Sequence[Plan], truth_path: Path | None
+    model: Path, samples: Samples, chain: Sequence[Plan], truth: MeasuredTable | None
 ) -> Drawings:
     """Draw everything that is known of a model; without the truth, what needs none."""
-    from gonio.materials import MeasuredTable
     from nnbrdf.load import load_model
 
     estimate = load_model(model)
-    truth = None if truth_path is None else MeasuredTable.load(truth_path)
     with page_style():
         return Drawings(
             spheres=_spheres(estimate, truth),

@@ -13,6 +13,7 @@ from gonio.samples import Flag
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from gonio.materials import MeasuredTable
     from gonio.report.summary import Summary
     from gonio.samples import Samples
     from gonio.session import Session
@@ -59,22 +60,25 @@ def write_report(
     return summary
 
 
-def _truth(session: Session | None) -> Path | None:
-    """Return where the truth is, if it is there and can be read: a report is due without it."""
+def _truth(session: Session | None) -> MeasuredTable | None:
+    """Return the truth, if it is there and can be read: a report is due without it."""
     from gonio.materials import MeasuredTable
 
     if session is None or not session.truth_path.is_file():
         return None
     try:
-        MeasuredTable.load(session.truth_path)
+        return MeasuredTable.load(session.truth_path)
     except BadFileError as error:
         _log.warning("%s", error)
         return None
-    return session.truth_path
 
 
 def _render(
-    summary: Summary, model: Path, samples: Samples, session: Session | None, truth: Path | None
+    summary: Summary,
+    model: Path,
+    samples: Samples,
+    session: Session | None,
+    truth: MeasuredTable | None,
 ) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 

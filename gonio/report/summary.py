@@ -100,7 +100,7 @@ class Summary:
         return table
 
 
-def summarize(model: Path, samples: Samples, truth: Path | None) -> Summary:
+def summarize(model: Path, samples: Samples, truth: MeasuredTable | None) -> Summary:
     """Compare a model with its samples, and with the truth where there is one.
 
     Parameters
@@ -110,22 +110,20 @@ def summarize(model: Path, samples: Samples, truth: Path | None) -> Summary:
     samples
         What it was made from.
     truth
-        The material on the 81 x 81 grid, as npz; None on a rig.
+        The material on the 81 x 81 grid; None on a rig.
 
     Raises
     ------
     gonio.errors.BadFileError
-        When the model or the truth cannot be read.
+        When the model cannot be read.
     """
-    from gonio.materials import MeasuredTable
     from nnbrdf.load import load_model
 
     estimate = load_model(model)
-    true = None if truth is None else MeasuredTable.load(truth)
     return Summary(
-        against_truth=() if true is None else _against_truth(estimate, true),
+        against_truth=() if truth is None else _against_truth(estimate, truth),
         residual=_residual(estimate, samples),
-        coverage=None if true is None else _coverage(estimate, true),
+        coverage=None if truth is None else _coverage(estimate, truth),
         weights=estimate.card.weights,
         shots=len(samples),
     )

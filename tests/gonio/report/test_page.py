@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from gonio.errors import BadFileError, StorageError
+from gonio.materials import MeasuredTable
 from gonio.report import write_report
 from gonio.report.summary import NOT_KNOWN
 from gonio.samples import Samples
@@ -95,6 +96,23 @@ def test_the_page_stands_alone(measure, kind):
     titles = [line for line in page.lines if line in ("Truth", "Reconstruction")]
     assert titles == (["Reconstruction"] if "without" in kind else ["Reconstruction", "Truth"])
     assert (NOT_KNOWN in page.text) == ("without" in kind)
+
+
+def test_the_truth_is_read_once(measure, monkeypatch):
+    measured, read = measure(), []
+    load = MeasuredTable.load
+    monkeypatch.setattr(MeasuredTable, "load", lambda path: read.append(path) or load(path))
+    report(measured)
+    assert read == [measured.session.truth_path]
+
+
+def test_a_truth_that_cannot_be_read_costs_no_report(measure, caplog):
+    measured = measure()
+    measured.session.truth_path.write_bytes(b"no archive")
+    page, summary = report(measured)
+    assert (summary.error, "Truth" in page.lines) == (None, False)
+    (warning,) = caplog.messages
+    assert "truth.npz: is not a table" in warning
 
 
 def test_it_names_what_it_was_made_from(measure):
