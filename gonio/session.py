@@ -3,38 +3,25 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import fcntl
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING
 
-from pydantic import Field
-
-from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
-from gonio.files import sync_file, write_bytes, write_json
+from gonio.errors import BadFileError, BadInputError, ResumeRefusedError
+from gonio.files import write_json
 from gonio.journal import Journal
+from gonio.notes import Notes
 from gonio.plan import Plan
-from gonio.rig import Rig, load_rig
-from gonio.validation import Document, check, parse_json, read_text
+from gonio.rig import load_rig
+from gonio.validation import parse_json, read_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
+    from pathlib import Path
 
-SCHEMA: Final = "gonio.session/1"
+    from gonio.rig import Rig
+
 _REMEDY = "give the folder of a session that gonio capture made"
-
-
-class Notes(Document):
-    """What a reader years later will ask about a sample."""
-
-    schema_: Literal["gonio.session/1"] = Field(default=SCHEMA, alias="schema")
-    sample: str
-    orientation: str
-    mounting: str
-    operator: str
-    temperature_c: float | None = Field(default=None, ge=-273.15)
 
 
 @dataclass(frozen=True)
@@ -48,77 +35,6 @@ class Session:
     """
 
     root: Path
-
-    @classmethod
-    def create(
-        cls,
-        root: Path,
-        plan: Plan,
-        rig_text: str,
-        notes: Notes,
-        furnish: Callable[[Session], None] | None = None,
-    ) -> Session:
-        """Make a new session, whole or not at all; an existing one is never touched.
-
-        Parameters
-        ----------
-        root
-            The folder; its parents are made where they are missing.
-        plan, rig_text, notes
-            What it is made of.
-        furnish
-            Adds more to the session before anybody can see it.
-
-        Raises
-        ------
-        BadInputError
-            When `root` exists and is not an empty folder.
-        StorageError
-            When the operating system refuses.
-        """
-        if root.exists() and (not root.is_dir() or any(root.iterdir())):
-            raise _exists(root)
-        try:
-            return cls._create(root, plan, rig_text, notes, furnish)
-        except OSError as error:
-            raise StorageError.from_os(root, error) from error
-
-    @classmethod
-    def _create(
-        cls,
-        root: Path,
-        plan: Plan,
-        rig_text: str,
-        notes: Notes,
-        furnish: Callable[[Session], None] | None,
-    ) -> Session:
-        root.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(
-            dir=root.parent, prefix=f".{root.name}.", ignore_cleanup_errors=True
-        ) as aside:
-            session = cls(Path(aside) / "session")
-            session._fill(plan, rig_text, notes)
-            if furnish is not None:
-                furnish(session)
-            cls._move(session.root, root)
-        return cls(root)
-
-    def _fill(self, plan: Plan, rig_text: str, notes: Notes) -> None:
-        for folder in (self.plans, self.calibration, self.raw):
-            folder.mkdir(parents=True)
-        write_bytes(self.rig_path, rig_text.encode())
-        write_json(self.notes_path, notes.model_dump(mode="json", by_alias=True))
-        plan.save(self.plans / "000.json")
-
-    @staticmethod
-    def _move(aside: Path, root: Path) -> None:
-        try:
-            aside.rename(root)
-        except OSError as error:
-            if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
-                raise _exists(root) from None
-            raise
-        sync_file(root.parent)
 
     @classmethod
     def open(cls, root: Path) -> Session:
@@ -203,8 +119,7 @@ class Session:
 
     def notes(self) -> Notes:
         """Return what is noted of the sample."""
-        text = read_text(self.notes_path, _REMEDY)
-        return check(Notes, parse_json(text, self.notes_path, _REMEDY), self.notes_path, _REMEDY)
+        return Notes.load(self.notes_path)
 
     def plan(self) -> Plan:
         """Return the session's plan.
@@ -309,10 +224,3 @@ class Session:
         except (AttributeError, TypeError, ValueError):
             remedy = "delete it"
             raise BadFileError(self.timings_path, "is not a table of seconds", remedy) from None
-
-
-def _exists(root: Path) -> BadInputError:
-    return BadInputError(
-        f"{root}: exists already and is never overwritten; continue it with --resume, "
-        "or name another folder with -o"
-    )

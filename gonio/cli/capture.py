@@ -146,9 +146,10 @@ def _created(
     said: dict[str, Any],
 ) -> tuple[Session, TwinSettings]:
     from gonio.cli._twin import TwinSettings, remember
+    from gonio.creation import create_session
     from gonio.materials import reference_material
+    from gonio.notes import Notes
     from gonio.rig import default_rig, default_rig_text, load_rig
-    from gonio.session import Notes, Session
     from gonio.validation import check
     from sim.materials import load_material
 
@@ -160,7 +161,7 @@ def _created(
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
     plan = _plan_for(plan_path, rig)
-    session = Session.create(
+    session = create_session(
         root, plan, rig_text, notes, lambda session: remember(session, settings, carried)
     )
     return session, settings

@@ -7,11 +7,13 @@ from dataclasses import asdict
 import pytest
 
 from gonio.clock import VirtualClock
+from gonio.creation import create_session
 from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
 from gonio.journal import FrameRecord, Journal
+from gonio.notes import Notes
 from gonio.plan import LampSetting, Plan, Selection, Shot
 from gonio.rig import default_rig, default_rig_text
-from gonio.session import Notes, Session
+from gonio.session import Session
 from gonio.timemodel import estimate
 
 RIG = default_rig()
@@ -48,7 +50,7 @@ FRAME = FrameRecord(
 
 @pytest.fixture
 def session(tmp_path):
-    return Session.create(tmp_path / "session", PLAN, default_rig_text(), NOTES)
+    return create_session(tmp_path / "session", PLAN, default_rig_text(), NOTES)
 
 
 def files_of(folder):
@@ -131,7 +133,7 @@ def test_a_new_session_holds_what_it_was_begun_with(session):
 def test_an_existing_session_is_never_overwritten(session):
     before = files_of(session.root)
     with pytest.raises(BadInputError, match=r"never overwritten; continue it with --resume"):
-        Session.create(session.root, make_plan(view_theta_deg=30.0), default_rig_text(), NOTES)
+        create_session(session.root, make_plan(view_theta_deg=30.0), default_rig_text(), NOTES)
     assert files_of(session.root) == before
 
 
@@ -141,13 +143,13 @@ def test_neither_is_any_other_file_or_folder(tmp_path):
     (tmp_path / "folder/thesis").write_text("mine")
     for name in ("file", "folder"):
         with pytest.raises(BadInputError, match="never overwritten"):
-            Session.create(tmp_path / name, PLAN, default_rig_text(), NOTES)
+            create_session(tmp_path / name, PLAN, default_rig_text(), NOTES)
     assert set(files_of(tmp_path).values()) == {b"mine"}
 
 
 def test_an_empty_folder_will_do(tmp_path):
     (tmp_path / "empty").mkdir()
-    assert Session.create(tmp_path / "empty", PLAN, default_rig_text(), NOTES).chain() == [PLAN]
+    assert create_session(tmp_path / "empty", PLAN, default_rig_text(), NOTES).chain() == [PLAN]
 
 
 def test_a_folder_that_is_no_session(tmp_path):

@@ -5,11 +5,12 @@ import pytest
 from gonio.capture.run import check_reach, check_space
 from gonio.capture.wanted import Missing
 from gonio.clock import VirtualClock
+from gonio.creation import create_session
 from gonio.errors import BadInputError, StorageError
 from gonio.files import sha256_bytes
 from gonio.journal import FrameRecord
+from gonio.notes import Notes
 from gonio.rig import Rig, default_rig, default_rig_text
-from gonio.session import Notes, Session
 from planner.make import make_plan
 
 NOTES = Notes(sample="a", orientation="b", mounting="c", operator="d")
@@ -22,7 +23,7 @@ def plan():
 
 @pytest.fixture
 def session(tmp_path, plan):
-    return Session.create(tmp_path / "session", plan, default_rig_text(), NOTES)
+    return create_session(tmp_path / "session", plan, default_rig_text(), NOTES)
 
 
 def record(session, wanted, content=b"whole"):

@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from gonio.clock import VirtualClock
+from gonio.creation import create_session
 from gonio.files import sha256_bytes, write_bytes
 from gonio.geometry import ArmPose
 from gonio.journal import FrameRecord
+from gonio.notes import Notes
 from gonio.plan import Estimates, LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES, default_rig, default_rig_text
-from gonio.session import Notes, Session
 from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES, exposures_of
 from sim.camera import SimCamera
 
@@ -51,7 +52,7 @@ class Photographer:
 
     def __init__(self, root, plan, material, *, seed=0, rig_text=None):
         rig_text = rig_text or default_rig_text()
-        self.session = Session.create(root, plan, rig_text, NOTES)
+        self.session = create_session(root, plan, rig_text, NOTES)
         self.rig, self.plan, self._material = self.session.rig(), plan, material
         self.camera = SimCamera(self.rig, material, seed)
         self._random = np.random.default_rng(seed)

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from gonio.clock import VirtualClock
+from gonio.creation import create_session
 from gonio.directions import from_degrees
 from gonio.materials import MeasuredTable
+from gonio.notes import Notes
 from gonio.rig import default_rig, default_rig_text
 from gonio.samples import Samples
-from gonio.session import Notes, Session
+from gonio.session import Session
 from nnbrdf.paper import PaperEstimator
 from planner.make import make_plan
 
@@ -42,7 +44,7 @@ def measure(tmp_path):
     def make(*, channels=("r", "g", "b"), truth=True, name="oak, unvarnished", density=4):
         plan = make_plan(default_rig(), views=density, lights=density)
         notes = Notes(sample=name, orientation="grain", mounting="flat", operator=name)
-        session = Session.create(tmp_path / "session", plan, default_rig_text(), notes)
+        session = create_session(tmp_path / "session", plan, default_rig_text(), notes)
         material = a_truth(np.random.default_rng(0))
         if truth:
             material.save(session.truth_path)
