@@ -17,8 +17,8 @@ from gonio.errors import GonioError
 if TYPE_CHECKING:
     from types import FrameType
 
-# what a shell says of a program that SIGPIPE ended
-_NOBODY_READS = 141
+# what a shell says of a program that SIGPIPE, SIGINT or SIGTERM ended
+_NOBODY_READS, _INTERRUPTED, _TERMINATED = 141, 130, 143
 _REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
 
 # the short helps live here, so that `gonio --help` imports no command
@@ -57,8 +57,7 @@ def main() -> None:
 
     As in `gonio materials | head -3`, it ends quietly with 141 where nobody reads on.
     """
-    # a shutdown of the machine stops a capture as orderly as Ctrl-C does
-    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGTERM, _terminate)
     try:
         cli.main(prog_name="gonio", standalone_mode=False)
     except SystemExit:
@@ -72,8 +71,11 @@ def main() -> None:
         _fail(error.format_message(), error.exit_code)
     except GonioError as error:
         _fail(str(error), error.exit_code)
-    except (click.Abort, KeyboardInterrupt):
-        _fail("stopped; what was finished is kept", 130)
+    except (click.Abort, KeyboardInterrupt) as stop:
+        # click makes an Abort of what it catches
+        terminated = isinstance(stop.__cause__ or stop, _Terminated)
+        code = _TERMINATED if terminated else _INTERRUPTED
+        _fail("stopped; what was finished is kept", code)
     except OSError as error:
         place = error.filename or "input/output"
         if error.errno in _REFUSED:
@@ -81,8 +83,12 @@ def main() -> None:
         _fail(f"{place}: {error.strerror or error}", 2)
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM: a shutdown of the machine stops a capture as orderly as Ctrl-C does."""
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    raise _Terminated
 
 
 def _fail(message: str, code: int) -> None:

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -192,7 +193,11 @@ def test_a_reference_that_is_not_there_costs_no_session(gonio, tmp_path):
     assert not (tmp_path / "session").exists()
 
 
-def test_a_shutdown_stops_a_capture_in_order(gonio, tmp_path):
+STOPS = {"Ctrl-C": (signal.SIGINT, 130), "shutdown": (signal.SIGTERM, 143)}
+
+
+@pytest.mark.parametrize(("number", "code"), STOPS.values(), ids=STOPS)
+def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code):
     process = subprocess.Popen(
         [sys.executable, "-m", "gonio", "capture", "--sim"],
         cwd=tmp_path,
@@ -203,9 +208,9 @@ def test_a_shutdown_stops_a_capture_in_order(gonio, tmp_path):
     )
     while not list((tmp_path / "session/raw").glob("*.dng")):
         os.sched_yield()
-    process.terminate()
+    process.send_signal(number)
     _, said = process.communicate()
-    assert process.returncode == 130
+    assert process.returncode == code
     assert "what was finished is kept" in said
 
 
