@@ -29,8 +29,8 @@ class Findings(Document):
     inflation
         Factor on the posterior's deviations, told from samples left out in turn.
     outliers, lower_bounds
-        Rows of the samples left out as contradicting all others, or as clipped below what the
-        others say.
+        Rows of the samples that count less since the others do not explain them, and of those left
+        out as clipped below what the others say.
     condition, jitter
         Condition number of the samples' covariance, from below, and what was added to its diagonal
         to factor it.
@@ -68,7 +68,7 @@ class Findings(Document):
         ]
         if self.outliers:
             rows = ", ".join(map(str, self.outliers))
-            result.append(f"left out as contradicting all others: samples {rows}")
+            result.append(f"not explained by the others, so of little weight: samples {rows}")
         if self.lower_bounds:
             rows = ", ".join(map(str, self.lower_bounds))
             result.append(f"clipped, so lower bounds that tell no more: samples {rows}")

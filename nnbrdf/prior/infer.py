@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _IGNORED = 1e4
-_OUTLIER = 6.0
-_ROUNDS = 3
+_FAR = 4.0
+_LEAST = 1e-8
+_ROUNDS = 4
 _SPREAD = (1.0, 2.0)
 _Z90 = 1.6448536269514722
 
@@ -41,7 +42,7 @@ class Inference:
     inflation
         Factor on the posterior's deviations, told from each sample left out in turn.
     outliers
-        Which samples contradict all others and were left out, shape (n,).
+        Which samples the others do not explain, so that they count less, shape (n,).
     bounds
         Which samples are clipped and lie below what the others say: lower bounds, left out.
     log, noise
@@ -66,30 +67,29 @@ def infer(prior: MaterialPrior, samples: Samples) -> Inference:
     """Condition the prior on samples.
 
     Values below zero count as zero. Clipped values that lie below what the others say are lower
-    bounds and tell nothing more; a sample that six deviations of its own prediction cannot reach
-    is an outlier, and is left out as well.
+    bounds and tell nothing more. A sample that lies four deviations or more from what the others
+    say of it is given its residual as noise: it may be a gross error or a peak that no other sample
+    announces, and in either case says little of its neighbors.
     """
     sites = Sites(prior.families, Pairs.of(samples.light, samples.view))
-    scale, ignored = samples.white, np.zeros(len(samples), bool)
+    scale = samples.white
     clipped = (samples.flag & Flag.CLIPPED).astype(bool).any(axis=1)
-    outliers = bounds = ignored
-    for round_ in range(_ROUNDS):
+    doubt = np.zeros(len(samples))
+    bounds = doubt > 0
+    for remaining in reversed(range(_ROUNDS)):
         log = np.log(samples.value.clip(0.0) / scale + OFFSET)
-        noise = np.where(ignored, _IGNORED, _noise(samples, scale))
+        noise = np.where(bounds, _IGNORED, _noise(samples, scale) + doubt)
         posterior = sites.condition(log, noise)
-        if round_ == _ROUNDS - 1:
-            break
-        residual, variance = posterior.best.leave_one_out(log)
-        own = noise + posterior.best.settings.noise
-        against = residual.mean(axis=1)
-        bounds = clipped & (against < 0)
-        outliers = ~clipped & (
-            np.abs(against) > _OUTLIER * np.sqrt((variance - own).clip(0) + own.clip(max=0.1))
-        )
-        ignored = bounds | outliers
-        scale = _scale(posterior, scale)
-    inflation = _inflation(posterior, log, ignored)
-    return Inference(posterior, scale, inflation, outliers, bounds, log, noise)
+        if remaining:
+            residual, variance = posterior.best.leave_one_out(log)
+            squared = (residual**2).mean(axis=1)
+            bounds = clipped & (residual.mean(axis=1) < 0)
+            far = squared > _FAR**2 * (variance - doubt).clip(_LEAST)
+            doubt = np.where(far & ~clipped, squared, 0.0)
+            scale = _scale(posterior, scale)
+    return Inference(
+        posterior, scale, _inflation(posterior, log, bounds), doubt > 0, bounds, log, noise
+    )
 
 
 def _noise(samples: Samples, scale: float) -> Array:
