@@ -80,6 +80,6 @@ def _move(aside: Path, root: Path) -> None:
 
 def _exists(root: Path) -> BadInputError:
     return BadInputError(
-        f"{root}: exists already and is never overwritten; continue it with --resume, "
-        "or name another folder with -o"
+        f"{root}: exists already and is never overwritten; name another folder with -o, or go on "
+        f"with what was begun there: {Session(root).resume_command}"
     )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import shlex
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from gonio.errors import BadFileError, BadInputError, ResumeRefusedError
 from gonio.files import write_json
@@ -17,9 +19,11 @@ from gonio.validation import parse_json, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from gonio.rig import Rig
+
+DEFAULT_ROOT: Final = Path("session")
+"""Where commands look for a session unless told otherwise."""
 
 _REMEDY = "give the folder of a session that gonio capture made"
 
@@ -112,6 +116,13 @@ class Session:
     def timings_path(self) -> Path:
         """Seconds that each stage took; kept apart, so that results stay equal to the bit."""
         return self.root / "timings.json"
+
+    @property
+    def resume_command(self) -> str:
+        """What to type to go on with the capture."""
+        simulated = ["--sim"] if self.sim.is_dir() else []
+        elsewhere = [] if self.root == DEFAULT_ROOT else ["-o", str(self.root)]
+        return shlex.join(["gonio", "capture", *simulated, "--resume", *elsewhere])
 
     def rig(self) -> Rig:
         """Return the rig that the session was made with."""

@@ -6,7 +6,7 @@ import shutil
 from typing import TYPE_CHECKING
 
 from gonio.capture.wanted import Missing
-from gonio.errors import StorageError
+from gonio.errors import DeviceFaultError, StorageError
 from gonio.files import sha256_file
 from gonio.journal import FrameRecord
 from gonio.rig import AXES
@@ -70,7 +70,16 @@ class Capture:
             When the disk will not hold the frames.
         gonio.errors.DeviceFaultError
             When a device fails; what was taken is kept, and a resume goes on from there.
+
+        Whatever ends a capture that a resume can go on with carries the command as a note.
         """
+        try:
+            return self._run(progress)
+        except (DeviceFaultError, StorageError, KeyboardInterrupt) as stop:
+            stop.add_note(f"go on with: {self._session.resume_command}")
+            raise
+
+    def _run(self, progress: Progress | None) -> int:
         dark, white = self._missing.dark(), self._missing.white()
         shots = [(shot, self._missing.of_shot(shot)) for shot in self._plan.shots]
         todo = [(shot, frames) for shot, frames in shots if frames]

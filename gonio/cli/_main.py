@@ -70,12 +70,12 @@ def main() -> None:
     except click.ClickException as error:
         _fail(error.format_message(), error.exit_code)
     except GonioError as error:
-        _fail(str(error), error.exit_code)
+        _fail(_with_notes(str(error), error), error.exit_code)
     except (click.Abort, KeyboardInterrupt) as stop:
         # click makes an Abort of what it catches
-        terminated = isinstance(stop.__cause__ or stop, _Terminated)
-        code = _TERMINATED if terminated else _INTERRUPTED
-        _fail("stopped; what was finished is kept", code)
+        cause = stop.__cause__ or stop
+        code = _TERMINATED if isinstance(cause, _Terminated) else _INTERRUPTED
+        _fail(_with_notes("stopped; what was finished is kept", cause), code)
     except OSError as error:
         place = error.filename or "input/output"
         if error.errno in _REFUSED:
@@ -89,6 +89,10 @@ class _Terminated(KeyboardInterrupt):
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     raise _Terminated
+
+
+def _with_notes(message: str, error: BaseException) -> str:
+    return "; ".join([message, *getattr(error, "__notes__", ())])
 
 
 def _fail(message: str, code: int) -> None:

@@ -10,7 +10,6 @@ from gonio.materials import reference_material
 from gonio.reduce.color import camera_from_srgb
 from gonio.reduce.dark import mean_dark
 from gonio.reduce.gain import PhotonTransfer
-from gonio.reduce.raw import REMEDY
 from gonio.reduce.reading import take_reading
 from gonio.reduce.white import respond
 
@@ -94,4 +93,4 @@ def _dark_frames(frames: Frames, exposure_s: float) -> list[Frame]:
 
 def _lacking(frames: Frames, role: Role, problem: str) -> BadInputError:
     reasons = frames.problems[role]
-    return BadInputError(f"{problem}{f' ({reasons[0]})' if reasons else ''}; {REMEDY}")
+    return BadInputError(f"{problem}{f' ({reasons[0]})' if reasons else ''}; {frames.remedy}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadFileError, BadInputError
 from gonio.geometry import ArmPose
-from gonio.reduce.raw import REMEDY, decode_raw, read_vouched
+from gonio.reduce.raw import decode_raw, read_vouched
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -52,9 +52,13 @@ class Frames:
         The camera that took them.
     records
         The journal's frames, oldest first.
+    remedy
+        What to do about one that is of no use.
 
     Attributes
     ----------
+    remedy
+        As given.
     problems
         What was wrong with each calibration frame that was left out, by role.
     useless
@@ -62,8 +66,10 @@ class Frames:
         that is missing or changed may come back.
     """
 
-    def __init__(self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord]) -> None:
-        self._root, self._spec = root, spec
+    def __init__(
+        self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord], remedy: str
+    ) -> None:
+        self._root, self._spec, self.remedy = root, spec, remedy
         self._sensor: Sensor | None = None
         self._tries: dict[_Place, dict[int, list[FrameRecord]]] = defaultdict(dict)
         for record in records:
@@ -105,7 +111,7 @@ class Frames:
     def _repeats(self, role: Role, index: int, exposure_s: float) -> dict[int, list[FrameRecord]]:
         repeats = self._tries.get((role, index, exposure_s))
         if not repeats:
-            raise BadInputError(f"shot {index}: no frame of {exposure_s:g} s; {REMEDY}")
+            raise BadInputError(f"shot {index}: no frame of {exposure_s:g} s; {self.remedy}")
         return repeats
 
     def _newest(self, tries: list[FrameRecord]) -> Frame:
@@ -120,7 +126,7 @@ class Frames:
 
     def _read(self, record: FrameRecord) -> RawFrame:
         path = self._root / record.file
-        data = read_vouched(path, record.sha256)
+        data = read_vouched(path, record.sha256, self.remedy)
         try:
             raw = self._decode(data, record, path)
         except BadFileError as error:
@@ -131,11 +137,11 @@ class Frames:
         return raw
 
     def _decode(self, data: bytes, record: FrameRecord, path: Path) -> RawFrame:
-        raw = decode_raw(data, path)
+        raw = decode_raw(data, path, self.remedy)
         # the tolerance that the rig's protocol grants the shutter
         if abs(raw.exposure_s - record.exposure_s) > 0.01 * record.exposure_s + 100e-6:
             problem = f"was open {raw.exposure_s:g} s, not the {record.exposure_s:g} s asked for"
-            raise BadFileError(path, problem, REMEDY)
+            raise BadFileError(path, problem, self.remedy)
         return raw
 
     def _check_sensor(self, sensor: Sensor, path: Path) -> None:

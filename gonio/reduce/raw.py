@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-REMEDY: Final = "take it again with: gonio capture --resume"
 _NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
 
 _CFA = 32803
@@ -86,7 +85,7 @@ class RawFrame:
     sensor: Sensor
 
 
-def read_vouched(path: Path, sha256: str) -> bytes:
+def read_vouched(path: Path, sha256: str, remedy: str) -> bytes:
     """Read a file whose content must hash to `sha256`, in hexadecimal.
 
     Raises
@@ -97,15 +96,15 @@ def read_vouched(path: Path, sha256: str) -> bytes:
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise BadFileError(path, "no such file", REMEDY) from None
+        raise BadFileError(path, "no such file", remedy) from None
     except OSError as error:
-        raise BadFileError(path, f"cannot be read ({error.strerror})", REMEDY) from None
+        raise BadFileError(path, f"cannot be read ({error.strerror})", remedy) from None
     if sha256_bytes(data) != sha256:
-        raise BadFileError(path, "has changed since the journal vouched for it", REMEDY)
+        raise BadFileError(path, "has changed since the journal vouched for it", remedy)
     return data
 
 
-def decode_raw(data: bytes, path: Path) -> RawFrame:
+def decode_raw(data: bytes, path: Path, remedy: str) -> RawFrame:
     """Decode a DNG file with one Bayer plane, which came from `path`.
 
     Raises
@@ -113,8 +112,8 @@ def decode_raw(data: bytes, path: Path) -> RawFrame:
     gonio.errors.BadFileError
         When it is cut short, or no such DNG.
     """
-    tags = _tags(data, path)
-    mosaic, pattern, black, white = _decode(data, path)
+    tags = _tags(data, path, remedy)
+    mosaic, pattern, black, white = _decode(data, path, remedy)
     sensor = Sensor(
         width=mosaic.shape[1],
         height=mosaic.shape[0],
@@ -127,7 +126,7 @@ def decode_raw(data: bytes, path: Path) -> RawFrame:
     return RawFrame(mosaic, _exposure_s(tags, path), sensor)
 
 
-def _tags(data: bytes, path: Path) -> dict[int, Any]:
+def _tags(data: bytes, path: Path, remedy: str) -> dict[int, Any]:
     """Return the tags of the first directory: LibRaw keeps neither ExposureTime nor the matrix."""
     import tifffile
 
@@ -143,11 +142,11 @@ def _tags(data: bytes, path: Path) -> dict[int, Any]:
     if tags.get(_PHOTOMETRIC) != _CFA:
         raise BadFileError(path, "holds no Bayer plane", _NOT_OURS)
     if end > len(data):
-        raise BadFileError(path, f"is cut short, by {end - len(data)} bytes", REMEDY)
+        raise BadFileError(path, f"is cut short, by {end - len(data)} bytes", remedy)
     return tags
 
 
-def _decode(data: bytes, path: Path) -> tuple[NDArray[np.uint16], str, int, int]:
+def _decode(data: bytes, path: Path, remedy: str) -> tuple[NDArray[np.uint16], str, int, int]:
     import rawpy
 
     try:
@@ -158,7 +157,7 @@ def _decode(data: bytes, path: Path) -> tuple[NDArray[np.uint16], str, int, int]
             pattern = "".join(chr(raw.color_desc[i]) for i in cell)
             black, white = max(raw.black_level_per_channel), int(raw.white_level)
     except rawpy.LibRawError as error:
-        raise BadFileError(path, f"cannot be decoded ({_reason(error)})", REMEDY) from None
+        raise BadFileError(path, f"cannot be decoded ({_reason(error)})", remedy) from None
     except (LookupError, NotImplementedError, TypeError, ValueError):
         # a pattern of colors that the file does not have, or no plane at all
         raise BadFileError(path, "holds no Bayer plane", _NOT_OURS) from None

@@ -72,9 +72,10 @@ def reduce_session(
         records = journal.frames()
     if not any(record.role == "shot" for record in records):
         raise BadInputError(
-            f"{session.root}: no shot has been captured yet; go on with: gonio capture --resume"
+            f"{session.root}: no shot has been captured yet; go on with: {session.resume_command}"
         )
-    frames = Frames(session.root, rig.camera, records)
+    remedy = f"take it again with: {session.resume_command}"
+    frames = Frames(session.root, rig.camera, records, remedy)
     patch_mm = _patch_before(session) if patch_mm is None else patch_mm
     patches = PatchFinder(rig.camera, patch_mm)
     try:

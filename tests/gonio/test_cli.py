@@ -9,7 +9,13 @@ import pytest
 
 import gonio
 from gonio.cli import _main
-from gonio.errors import BadInputError, DeviceFaultError, ResumeRefusedError, StorageError
+from gonio.errors import (
+    BadInputError,
+    DeviceFaultError,
+    ResumeRefusedError,
+    StorageError,
+    TransportTimeoutError,
+)
 
 HEAVY = {"numpy", "scipy", "torch", "pydantic", "xarray", "cv2", "matplotlib", "rawpy", "rich"}
 
@@ -83,11 +89,21 @@ def test_mistyped_commands_exit_2(gonio, arguments, says):
     assert "Traceback" not in result.stderr
 
 
+def noted(error):
+    error.add_note("go on with: gonio capture --resume")
+    return error
+
+
 ENDINGS = [
     # what a command raises, exit code, what is printed
     (BadInputError("a\nb"), 2, "gonio: a b\n"),
     (DeviceFaultError("axis 1 stuck"), 3, "gonio: axis 1 stuck\n"),
     (StorageError("disk"), 3, "gonio: disk\n"),
+    (
+        noted(TransportTimeoutError("no answer")),
+        3,
+        "gonio: no answer; go on with: gonio capture --resume\n",
+    ),
     (ResumeRefusedError("other plan"), 4, "gonio: other plan\n"),
     (KeyboardInterrupt(), 130, "\ngonio: stopped; what was finished is kept\n"),
     (

@@ -3,6 +3,7 @@ import sqlite3
 import subprocess
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
@@ -132,9 +133,27 @@ def test_a_new_session_holds_what_it_was_begun_with(session):
 
 def test_an_existing_session_is_never_overwritten(session):
     before = files_of(session.root)
-    with pytest.raises(BadInputError, match=r"never overwritten; continue it with --resume"):
+    with pytest.raises(BadInputError, match=r"never overwritten; .*gonio capture --resume -o"):
         create_session(session.root, make_plan(view_theta_deg=30.0), default_rig_text(), NOTES)
     assert files_of(session.root) == before
+
+
+COMMANDS = {
+    "the default": ("session", False, "gonio capture --resume"),
+    "the default, named otherwise": ("./session/", False, "gonio capture --resume"),
+    "the default, simulated": ("session", True, "gonio capture --sim --resume"),
+    "another": ("metal", True, "gonio capture --sim --resume -o metal"),
+    "one in quotes": ("my metal", False, "gonio capture --resume -o 'my metal'"),
+}
+
+
+@pytest.mark.parametrize(("root", "simulated", "command"), COMMANDS.values(), ids=COMMANDS)
+def test_the_command_to_go_on_with(tmp_path, monkeypatch, root, simulated, command):
+    monkeypatch.chdir(tmp_path)
+    session = Session(Path(root))
+    if simulated:
+        session.sim.mkdir(parents=True)
+    assert session.resume_command == command
 
 
 def test_neither_is_any_other_file_or_folder(tmp_path):

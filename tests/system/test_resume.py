@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import sqlite3
@@ -42,11 +43,11 @@ def drop_frames(session, condition):
 def test_samples_reduced_on_purpose_are_what_is_reconstructed(gonio, session):
     ok(gonio("reduce", "--patch-mm", "20"))
     wide = sha256_file(session / "samples.nc")
-    ok(gonio("reconstruct", "--epochs", "2"))
+    ok(gonio("reconstruct", "--estimator", "paper", "--epochs", "2"))
     assert sha256_file(session / "samples.nc") == wide
     assert json.loads((session / "model/model.json").read_text())["provenance"]["samples"] == wide
     drop_frames(session, "data LIKE '%\"shot_index\": 8%' AND data LIKE '%shot_000008%'")
-    gonio("reconstruct", "--epochs", "2")
+    gonio("reconstruct", "--estimator", "paper", "--epochs", "2")
     assert sha256_file(session / "samples.nc") != wide
 
 
@@ -88,9 +89,10 @@ def test_a_frame_of_no_use_is_taken_again(gonio, session):
         changed = json.dumps(json.loads(data) | {"sha256": sha256_file(frame)})
         journal.execute("UPDATE event SET data = ? WHERE id = ?", (changed, number))
     reduced = gonio("reduce")
-    assert "take it again with: gonio capture --resume" in reduced.stderr
     assert len(Samples.load(session / "samples.nc")) == 8
-    ok(gonio("capture", "--sim", "--resume"))
+    told = reduced.stderr.partition("take it again with: ")[2]
+    assert told == "gonio capture --sim --resume\n"
+    ok(gonio(*shlex.split(told)[1:]))
     ok(gonio("reduce"))
     assert len(Samples.load(session / "samples.nc")) == 9
 
@@ -108,7 +110,7 @@ def test_a_resume_that_has_nothing_to_do_leaves_the_timings(gonio, session):
 
 def test_a_truth_that_cannot_be_read_costs_no_report(gonio, session):
     (session / "sim/truth.npz").write_bytes(b"PK broken")
-    printed = gonio("reconstruct", "--epochs", "2")
+    printed = gonio("reconstruct", "--estimator", "paper", "--epochs", "2")
     assert printed.returncode == 0
     assert "truth.npz" in printed.stderr
     assert "not known" in printed.stdout
@@ -193,25 +195,30 @@ def test_a_reference_that_is_not_there_costs_no_session(gonio, tmp_path):
     assert not (tmp_path / "session").exists()
 
 
-STOPS = {"Ctrl-C": (signal.SIGINT, 130), "shutdown": (signal.SIGTERM, 143)}
+STOPS = {
+    "Ctrl-C": (signal.SIGINT, 130, "session"),
+    "shutdown": (signal.SIGTERM, 143, "my metal"),
+}
 
 
-@pytest.mark.parametrize(("number", "code"), STOPS.values(), ids=STOPS)
-def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code):
+@pytest.mark.parametrize(("number", "code", "root"), STOPS.values(), ids=STOPS)
+def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code, root):
     process = subprocess.Popen(
-        [sys.executable, "-m", "gonio", "capture", "--sim"],
+        [sys.executable, "-m", "gonio", "capture", "--sim", "-o", root],
         cwd=tmp_path,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"OMP_NUM_THREADS": "1"},
     )
-    while not list((tmp_path / "session/raw").glob("*.dng")):
+    while not list((tmp_path / root / "raw").glob("*.dng")):
         os.sched_yield()
     process.send_signal(number)
     _, said = process.communicate()
     assert process.returncode == code
-    assert "what was finished is kept" in said
+    told = said.partition("what was finished is kept; go on with: ")[2]
+    assert ("-o" in told) == (root != "session")
+    assert "frames of" in ok(gonio(*shlex.split(told)[1:]))
 
 
 def test_values_that_no_reflectance_has_are_refused(gonio, tmp_path):

@@ -15,9 +15,10 @@ from sim.dng import dng_bytes
 
 def read_raw(path, sha256=None):
     data = path.read_bytes()
-    return decode_raw(read_vouched(path, sha256 or sha256_bytes(data)), path)
+    return decode_raw(read_vouched(path, sha256 or sha256_bytes(data), REMEDY), path, REMEDY)
 
 
+REMEDY = "take it again"
 MATRIX = np.array([[0.9, -0.3, -0.1], [-0.4, 1.2, 0.2], [0.0, 0.2, 0.6]])
 MOSAIC = np.random.default_rng(1).integers(0, 1 << 16, (32, 48), np.uint16)
 
@@ -113,9 +114,9 @@ def test_damaged_and_foreign_files_are_named_in_one_line(tmp_path, capfd, data, 
 
 def test_missing_files_and_folders(tmp_path):
     with pytest.raises(BadFileError, match="no such file; take it again"):
-        read_vouched(tmp_path / "gone.dng", "")
+        read_vouched(tmp_path / "gone.dng", "", REMEDY)
     with pytest.raises(BadFileError, match="cannot be read"):
-        read_vouched(tmp_path, "")
+        read_vouched(tmp_path, "", REMEDY)
 
 
 def test_a_flipped_bit_is_seen_by_its_hash_alone(tmp_path):

@@ -1,0 +1,67 @@
+"""What a capture that something ended says: how to go on."""
+
+import pytest
+
+from gonio.capture import Capture, Instrument
+from gonio.clock import VirtualClock
+from gonio.creation import create_session
+from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.errors import BadInputError, DeviceFaultError, StorageError
+from gonio.notes import Notes
+from gonio.rig import default_rig, default_rig_text
+from nnbrdf.analytic import Lambert
+from planner.make import make_plan
+from sim.camera import SimCamera
+from sim.twin import Twin
+
+RIG = default_rig_text()
+NOTES = Notes(sample="a", orientation="b", mounting="c", operator="d")
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Run a capture of four shots on a twin, to which `meddle` has been done."""
+
+    def run(meddle=lambda twin: None, rig_text=RIG):
+        plan = make_plan(default_rig(), views=2, lights=2)
+        session = create_session(tmp_path / "a b", plan, rig_text, NOTES)
+        clock, rig, frames = VirtualClock(), default_rig(), tmp_path / "frames"
+        frames.mkdir()
+        twin = Twin(rig, SimCamera(rig, Lambert((0.2, 0.2, 0.2)), 0), clock, frames, 0)
+        meddle(twin)
+        instrument = Instrument(
+            arm=Arm(twin.bus, rig, clock),
+            lamps=LampHead(twin.line, rig, clock),
+            camera=FolderCamera(LocalFolder(frames), rig, clock),
+            clock=clock,
+        )
+        operator = type("Nobody", (), {"place": lambda self, what: None})()
+        with session.journal(must_exist=False) as journal:
+            Capture(session, instrument, operator, journal).run()
+
+    return run
+
+
+def told(error, tmp_path):
+    (note,) = error.__notes__
+    return note == f"go on with: gonio capture --resume -o '{tmp_path}/a b'"
+
+
+def test_a_device_fault(start, tmp_path):
+    with pytest.raises(DeviceFaultError, match="interlock open") as caught:
+        start(lambda twin: twin.set_interlock(True))
+    assert told(caught.value, tmp_path)
+
+
+def test_a_full_disk(start, tmp_path, monkeypatch):
+    usage = type("Usage", (), {"free": 1000})()
+    monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
+    with pytest.raises(StorageError) as caught:
+        start()
+    assert told(caught.value, tmp_path)
+
+
+def test_a_plan_out_of_reach_is_not_gone_on_with(start):
+    with pytest.raises(BadInputError) as caught:
+        start(rig_text=RIG.replace("max_deg = 91.0", "max_deg = 44.0", 1))
+    assert not hasattr(caught.value, "__notes__")
