@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import os
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from gonio.errors import BadFileError, BadInputError, ResumeRefusedError
+from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
 from gonio.files import write_json
 from gonio.journal import Journal
 from gonio.notes import Notes
@@ -187,31 +188,52 @@ class Session:
                 f"{rig.sha256[:12]}; resume without --rig, or start a new session with -o"
             )
 
-    def journal(self, *, must_exist: bool = True) -> Journal:
-        """Open the journal.
+    def journal(self, *, writing: bool = False) -> Journal:
+        """Open the journal to be read, or, held by `lock`, to be written.
 
         Raises
         ------
         gonio.errors.ResumeRefusedError
-            When it may be made, but frames are there that only a lost journal can vouch for.
+            When it would be made, but frames are there that only a lost journal can vouch for.
         """
         frames = (*self.calibration.glob("*.dng"), *self.raw.glob("*.dng"))
-        if frames and not must_exist and not self.journal_path.exists():
+        if frames and writing and not self.journal_path.exists():
             raise ResumeRefusedError(
                 f"{self.journal_path}: is gone, and the frames that it vouched for are there; "
                 "put it back, or start a new session with -o"
             )
-        return Journal(self.journal_path, must_exist=must_exist)
+        return Journal(self.journal_path, writing=writing)
+
+    @property
+    def is_writable(self) -> bool:
+        """Whether files can be made in the folder."""
+        return os.access(self.root, os.W_OK)
+
+    def check_writable(self, remedy: str) -> None:
+        """Refuse, before any work is done, to write where nothing can be written.
+
+        Raises
+        ------
+        gonio.errors.StorageError
+            Telling `remedy`.
+        """
+        if not self.is_writable:
+            raise StorageError(f"{self.root}: can only be read; {remedy}")
 
     @contextlib.contextmanager
     def lock(self) -> Iterator[None]:
         """Hold the session against other processes; the lock goes with the process.
+
+        Who can only read it is in nobody's way, and holds nothing.
 
         Raises
         ------
         gonio.errors.BadInputError
             When another process holds it.
         """
+        if not self.is_writable:
+            yield
+            return
         with (self.root / ".lock").open("w") as file:
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -222,8 +244,9 @@ class Session:
             yield
 
     def note_timing(self, stage: str, seconds: float) -> None:
-        """Record how long a stage took."""
-        write_json(self.timings_path, self.timings() | {stage: round(seconds, 3)})
+        """Record how long a stage took; a session that can only be read keeps what it has."""
+        if self.is_writable:
+            write_json(self.timings_path, self.timings() | {stage: round(seconds, 3)})
 
     def timings(self) -> dict[str, float]:
         """Return the seconds of each stage so far."""

@@ -188,7 +188,7 @@ def _measure(session: Session, settings: TwinSettings) -> None:
     began = time.perf_counter()
     with (
         session.lock(),
-        session.journal(must_exist=False) as journal,
+        session.journal(writing=True) as journal,
         simulated(session, settings) as (instrument, operator),
         progress_bar("capturing") as progress,
     ):

@@ -140,6 +140,8 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None) -> None:
     from gonio.session import Session
 
     session = Session.open(root)
+    if output is None:
+        session.check_writable("name a folder for the model with -o")
     folder = output or session.model
     with session.lock():
         samples = _reduced(session)

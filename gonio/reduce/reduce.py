@@ -65,8 +65,9 @@ def reduce_session(
     gonio.errors.BadInputError
         When dark or white frames are lacking, or no shot can be used; nothing is written then.
     gonio.errors.StorageError
-        When the samples cannot be written.
+        When the session can only be read, or the samples cannot be written.
     """
+    session.check_writable("copy it to a folder that can be written, and reduce the copy")
     rig, shots = session.rig(), session.plan().shots
     with session.journal() as journal:
         records = journal.frames()
@@ -172,7 +173,9 @@ def _samples(rows: Sequence[_Row], provenance: dict[str, str], patch_mm: float) 
 
 
 def _reject(session: Session, frames: Frames) -> None:
-    with session.journal() as journal:
+    if not frames.useless:
+        return
+    with session.journal(writing=True) as journal:
         known = journal.rejected()
         for file, problem in frames.useless.items():
             if file not in known:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from datetime import datetime, timedelta
+from datetime import timedelta
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
@@ -62,7 +62,7 @@ def measured_on(session: Session | None) -> tuple[str, timedelta] | None:
     if session is None or not session.journal_path.is_file():
         return None
     with session.journal() as journal:
-        times = [datetime.fromisoformat(event.utc) for event in journal.events()]
+        times = [event.utc for event in journal.events()]
     if not times:
         return None
     took = max(times) - min(times)

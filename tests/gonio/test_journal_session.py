@@ -2,7 +2,6 @@ import json
 import sqlite3
 import subprocess
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -60,17 +59,18 @@ def files_of(folder):
 
 def test_events_survive_reopening(tmp_path):
     clock = VirtualClock(5.0)
-    with Journal(tmp_path / "j") as journal:
+    with Journal(tmp_path / "j", writing=True) as journal:
         journal.append(clock, "begin", operator="Ada")
         clock.sleep(2.0)
         journal.append_frame(clock, FRAME)
-    with Journal(tmp_path / "j", must_exist=True) as journal:
+    with Journal(tmp_path / "j", writing=True) as journal:
         journal.append(clock, "end")
+    with Journal(tmp_path / "j") as journal:
         events = list(journal.events())
         assert [event.kind for event in events] == ["begin", "frame", "end"]
         assert [event.at_s for event in events] == [5.0, 7.0, 7.0]
-        assert events[0].utc == "2000-01-01T00:00:05+00:00"
-        assert asdict(events[0])["data"] == {"operator": "Ada"}
+        assert events[0].utc.isoformat() == "2000-01-01T00:00:05+00:00"
+        assert events[0].data == {"operator": "Ada"}
         assert journal.frames() == [FRAME]
 
 
@@ -80,18 +80,18 @@ import os, sys
 from pathlib import Path
 from gonio.clock import VirtualClock
 from gonio.journal import Journal
-journal = Journal(Path(sys.argv[1]))
+journal = Journal(Path(sys.argv[1]), writing=True)
 for number in range(20):
     journal.append(VirtualClock(), "shot", number=number)
 os.kill(os.getpid(), 9)
 """
     subprocess.run([sys.executable, "-c", program, tmp_path / "j"], check=False)
-    with Journal(tmp_path / "j", must_exist=True) as journal:
+    with Journal(tmp_path / "j") as journal:
         assert [event.data["number"] for event in journal.events("shot")] == list(range(20))
 
 
 def test_the_journal_is_synced_and_written_ahead(tmp_path):
-    with Journal(tmp_path / "j") as journal:
+    with Journal(tmp_path / "j", writing=True) as journal:
         read = journal._connection.execute
         assert read("PRAGMA journal_mode").fetchone() == ("wal",)
         assert read("PRAGMA synchronous").fetchone() == (2,)
@@ -99,23 +99,86 @@ def test_the_journal_is_synced_and_written_ahead(tmp_path):
 
 def test_a_journal_that_is_missing_or_none(tmp_path):
     with pytest.raises(BadFileError, match="no such file"):
-        Journal(tmp_path / "j", must_exist=True)
+        Journal(tmp_path / "j")
     assert not (tmp_path / "j").exists()
     (tmp_path / "j").write_bytes(b"a text that is no database" * 100)
-    with pytest.raises(BadFileError, match="is not a journal"):
+    for writing in (False, True):
+        with pytest.raises(BadFileError, match="is not a journal"):
+            Journal(tmp_path / "j", writing=writing)
+    (tmp_path / "j").write_bytes(b"")
+    with pytest.raises(BadFileError, match="holds no events yet; resume the capture"):
         Journal(tmp_path / "j")
 
 
-def test_a_damaged_row_is_reported(tmp_path):
+DAMAGE = {
+    "half a row": ("data = '{'", r"record 2 is damaged: data is not JSON \(Expecting"),
+    "bytes for a row": ("data = x'ff00'", "record 2 is damaged: data is not JSON"),
+    "a list for a row": ("data = '[]'", "record 2 is damaged: data: Input should be a valid dict"),
+    "no time": ("at_s = 'noon'", "record 2 is damaged: at_s: Input should be a valid number"),
+    "no date": ("utc = 'May'", "record 2 is damaged: utc: Input should be a valid datetime"),
+    "a frame without a file": (
+        """data = '{"role": "dark"}'""",
+        r"record 2 is damaged: shot_index: is missing \(and 10 more\)",
+    ),
+    "no text": ("kind = CAST(x'ff' AS TEXT)", "is damaged after record 1 "),
+}
+
+
+@pytest.mark.parametrize(("change", "says"), DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_record_is_named(tmp_path, change, says):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        journal.append(VirtualClock(), "begun")
+        journal.append_frame(VirtualClock(), FRAME)
+        journal._connection.execute(f"UPDATE event SET {change} WHERE id = 2")
+    with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match=says) as caught:
+        list(journal.events()), journal.frames()
+    assert str(caught.value).startswith(f"{tmp_path}/j: ")
+    assert str(caught.value).endswith(
+        "; put a copy of the file back, or measure anew into another folder"
+    )
+
+
+def test_a_rejection_without_its_file_is_named(tmp_path):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        journal.append(VirtualClock(), "rejected", problem="dark")
+    with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match=r"record 1 .* file"):
+        journal.rejected()
+
+
+def test_pages_that_are_overwritten_are_a_damage(tmp_path):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        for _ in range(100):
+            journal.append_frame(VirtualClock(), FRAME)
+    data = bytearray((tmp_path / "j").read_bytes())
+    data[-3 * 4096 : -2 * 4096] = b"x" * 4096
+    (tmp_path / "j").write_bytes(data)
+    with (
+        Journal(tmp_path / "j") as journal,
+        pytest.raises(BadFileError, match=r"is damaged after record \d"),
+    ):
+        journal.frames()
+
+
+def test_reading_leaves_nothing_behind(tmp_path):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        journal.append(VirtualClock(), "begun")
+    before = files_of(tmp_path)
     with Journal(tmp_path / "j") as journal:
-        journal.append(VirtualClock(), "shot")
-        journal._connection.execute("UPDATE event SET data = '{'")
-        with pytest.raises(BadFileError, match="is damaged"):
-            list(journal.events())
+        assert len(list(journal.events())) == 1
+        assert files_of(tmp_path) == before
+    assert files_of(tmp_path) == before
+
+
+def test_what_is_being_written_is_read_as_far_as_it_goes(tmp_path):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        for count in range(1, 4):
+            journal.append(VirtualClock(), "begun")
+            with Journal(tmp_path / "j") as reader:
+                assert len(list(reader.events())) == count
 
 
 def test_a_journal_that_cannot_grow(tmp_path):
-    with Journal(tmp_path / "j") as journal:
+    with Journal(tmp_path / "j", writing=True) as journal:
         journal._connection.execute("PRAGMA max_page_count = 4")
         with pytest.raises(StorageError, match="free some space"):
             journal.append(VirtualClock(), "shot", text="x" * 100_000)
@@ -268,12 +331,15 @@ def test_a_foreign_database_is_no_journal_of_frames(tmp_path):
     with sqlite3.connect(tmp_path / "j") as connection:
         connection.execute("CREATE TABLE event (name TEXT)")
     connection.close()
-    with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match="is damaged"):
+    with (
+        Journal(tmp_path / "j", writing=True) as journal,
+        pytest.raises(BadFileError, match="is damaged"),
+    ):
         list(journal.events())
 
 
 def test_a_frame_record_of_another_shape(tmp_path):
-    with Journal(tmp_path / "j") as journal:
+    with Journal(tmp_path / "j", writing=True) as journal:
         journal.append(VirtualClock(), "frame", file="x")
-        with pytest.raises(BadFileError, match="role: is missing"):
+        with pytest.raises(BadFileError, match=r"record 1 .* role: is missing"):
             journal.frames()

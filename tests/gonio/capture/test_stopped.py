@@ -36,7 +36,7 @@ def start(tmp_path):
             clock=clock,
         )
         operator = type("Nobody", (), {"place": lambda self, what: None})()
-        with session.journal(must_exist=False) as journal:
+        with session.journal(writing=True) as journal:
             Capture(session, instrument, operator, journal).run()
 
     return run

@@ -98,7 +98,7 @@ def test_a_disk_too_small_is_refused_before_anything_moves(tmp_path, monkeypatch
 
 
 def test_journal_and_frames_survive_reopening(session, plan):
-    with session.journal(must_exist=False) as journal:
+    with session.journal(writing=True) as journal:
         frame = record(session, Missing(session, plan, []).of_shot(plan.shots[0])[0])
         journal.append_frame(VirtualClock(3.0), frame)
     with session.journal() as journal:

@@ -57,7 +57,7 @@ class Photographer:
         self.camera = SimCamera(self.rig, material, seed)
         self._random = np.random.default_rng(seed)
         self._clock = VirtualClock()
-        self.journal = self.session.journal(must_exist=False)
+        self.journal = self.session.journal(writing=True)
 
     def calibrate(self, darks=DARK_FRAMES, whites=WHITE_FRAMES):
         for exposure_s in exposures_of(self.plan.shots):

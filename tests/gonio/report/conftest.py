@@ -53,7 +53,7 @@ def measure(tmp_path):
         PaperEstimator(hidden=(4,), epochs=3).fit(samples).save(session.model)
         session.note_timing("reconstruct", 1.5)
         clock = VirtualClock()
-        with session.journal(must_exist=False) as journal:
+        with session.journal(writing=True) as journal:
             journal.append(clock, "begun")
             clock.sleep(3723)
             journal.append(clock, "finished")
