@@ -1,4 +1,4 @@
-"""Build of the one compiled part: the fused trainer, once for each vector width."""
+"""Build of the compiled parts, trainer and evaluation, each once for every vector width."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from setuptools.command.build_ext import build_ext
 
 KERNEL = Path("nnbrdf/kernel")
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
+PASSES = {"nnbrdf._fused": "passes.cpp", "nnbrdf._evaluate": "evaluate.cpp"}
+# square roots that would set errno are called one by one
+FLAGS = ["-std=c++17", "-O3", "-fvisibility=hidden", "-fno-math-errno"]
 WIDTHS = {"base": []}
 if IS_X86:
     WIDTHS |= {
@@ -20,37 +23,44 @@ if IS_X86:
 
 
 class BuildWidths(build_ext):
-    """Compiles the passes for every width; which one runs is chosen where the program runs."""
+    """Compiles a module's passes for every width; which runs is chosen where the program runs."""
 
     def build_extension(self, ext: Pybind11Extension) -> None:
-        """Compile, and go on without where that fails: training then takes the path of torch."""
+        """Compile, and go on without where that fails: torch then trains, NumPy evaluates."""
         try:
-            ext.extra_objects = [name for width in WIDTHS for name in self._passes(width)]
+            source = PASSES[ext.name]
+            ext.extra_objects = [name for width in WIDTHS for name in self._passes(source, width)]
             super().build_extension(ext)
         except Exception as error:
-            self.warn(f"no compiled trainer ({error}); training will use torch")
+            self.warn(f"no compiled {ext.name} ({error}); torch will train, NumPy will evaluate")
             raise
 
-    def _passes(self, width: str) -> list[str]:
+    def _passes(self, source: str, width: str) -> list[str]:
         return self.compiler.compile(
-            [str(KERNEL / "passes.cpp")],
+            [str(KERNEL / source)],
             output_dir=str(Path(self.build_temp) / width),
             macros=[("GONIO_ISA", width)],
-            extra_postargs=["-std=c++17", "-O3", "-fvisibility=hidden", *WIDTHS[width]],
+            extra_postargs=[*FLAGS, *WIDTHS[width]],
             depends=[str(path) for path in KERNEL.glob("*.hpp")],
         )
+
+
+def extension(name: str, module: str) -> Pybind11Extension:
+    """Return one module; an installation goes on without those that do not compile."""
+    return Pybind11Extension(
+        name,
+        [str(KERNEL / module)],
+        depends=[str(path) for path in KERNEL.iterdir()],
+        define_macros=[("GONIO_X86", "1")] if IS_X86 else [],
+        cxx_std=17,
+        optional=True,
+    )
 
 
 setup(
     ext_modules=[
-        Pybind11Extension(
-            "nnbrdf._fused",
-            [str(KERNEL / "module.cpp")],
-            depends=[str(path) for path in KERNEL.glob("*.hpp")],
-            define_macros=[("GONIO_X86", "1")] if IS_X86 else [],
-            cxx_std=17,
-            optional=True,
-        )
+        extension("nnbrdf._fused", "module.cpp"),
+        extension("nnbrdf._evaluate", "evaluate_module.cpp"),
     ],
     cmdclass={"build_ext": BuildWidths},
 )

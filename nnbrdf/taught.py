@@ -14,6 +14,7 @@ from gonio.validation import Document
 from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.card import CARD_NAME, read_document
 from nnbrdf.ensemble import GRID_CHANNELS
+from nnbrdf.evaluate import evaluate, is_available
 from nnbrdf.findings import Findings
 from nnbrdf.folder import grid_of, in_chunks, save_model, write_grid
 from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
@@ -129,8 +130,12 @@ class TaughtBRDF:
         """Return the posterior median in 1/sr, never below zero, shape (..., 3).
 
         Light and view are unit vectors, shapes (..., 3), broadcast against each other. A single
-        channel is repeated three times.
+        channel is repeated three times. Compiled where it can be: see `nnbrdf.evaluate`.
         """
+        if is_available():
+            light, view = np.asarray(light, float), np.asarray(view, float)
+            card = self.card
+            return evaluate(self.value, card.encoding, light, view, card.scale, tuple(self._tint))
         return in_chunks(lambda *pairs: self._told(*pairs).median * self._tint, light, view)
 
     def sigma(self, light: Array, view: Array) -> Array:

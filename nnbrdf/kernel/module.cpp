@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "cpu.hpp"
 #include "state.hpp"
 
 namespace py = pybind11;
@@ -28,24 +29,12 @@ constexpr std::align_val_t kAlignment{64};
 template <class T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// The widest first.
 std::vector<const Isa*> usable_isas() {
-    std::vector<const Isa*> isas;
 #ifdef GONIO_X86
-    const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
-        isas.push_back(&kIsa_avx512);
-    if (has_avx2) isas.push_back(&kIsa_avx2);
+    return usable(kIsa_base, &kIsa_avx2, &kIsa_avx512);
+#else
+    return usable(kIsa_base);
 #endif
-    isas.push_back(&kIsa_base);
-    return isas;
-}
-
-const Isa& isa_named(const std::string& name) {
-    for (const Isa* isa : usable_isas())
-        if (name.empty() || name == isa->name) return *isa;
-    throw std::invalid_argument("this machine has no vector width " + name);
 }
 
 template <class T>
@@ -85,7 +74,7 @@ class Trainer {
    public:
     Trainer(const std::vector<Array<T>>& layers, int activation, const Array<T>& inputs,
             const Array<T>& targets, std::uint64_t seed, double rate, const std::string& isa)
-        : isa_(isa_named(isa)), state_{} {
+        : isa_(isa_named(usable_isas(), isa)), state_{} {
         take_sizes(layers);
         state_.activation = checked_activation(activation);
         state_.seed = state_.random = seed;
@@ -233,7 +222,7 @@ class Trainer {
 
 template <class T>
 py::tuple activate(int activation, const Array<T>& totals, const std::string& name) {
-    const Isa& isa = isa_named(name);
+    const Isa& isa = isa_named(usable_isas(), name);
     if (totals.ndim() != 2) throw std::invalid_argument("totals must have shape (rows, features)");
     const int rows = int(totals.shape(0)), features = int(totals.shape(1));
     const int width = isa.bytes / int(sizeof(T)), pitch = (features + width - 1) / width * width;
