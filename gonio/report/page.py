@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from gonio.report.summary import Summary
     from gonio.samples import Samples
     from gonio.session import Session
+    from nnbrdf.albedo import Albedo
+    from nnbrdf.load import Model
 
 _log = logging.getLogger(__name__)
 _STAGES = ("capture", "reduce", "reconstruct")
@@ -96,6 +98,7 @@ def _render(
     content: dict[str, Any] = {
         "summary": summary,
         "model": estimate.card,
+        "albedos": _albedos(estimate),
         "next_pairs": next_pairs(estimate.grid(), estimate.card.white),
         "samples": samples,
         "flags": _flag_counts(samples),
@@ -109,6 +112,14 @@ def _render(
         "drawn": draw_all(model, samples, chain, truth),
     }
     return environment.get_template("page.html").render(content)
+
+
+def _albedos(estimate: Model) -> list[Albedo]:
+    """Return the directional albedos; of the exact posterior, slow to evaluate, none."""
+    from nnbrdf.albedo import directional_albedo
+    from nnbrdf.posterior_model import PosteriorBRDF
+
+    return [] if isinstance(estimate, PosteriorBRDF) else directional_albedo(estimate)
 
 
 def _timings(session: Session | None) -> dict[str, float]:
