@@ -27,7 +27,9 @@ def run_chain(gonio, folder, *, material="wood-veneer", epochs=20):
     folder.mkdir(exist_ok=True)
     ok(gonio("plan", "--density", "5", cwd=folder))
     ok(gonio("capture", "--sim", "--material", material, cwd=folder))
-    return ok(gonio("reconstruct", "session/", "--epochs", epochs, cwd=folder))
+    return ok(
+        gonio("reconstruct", "session/", "--estimator", "paper", "--epochs", epochs, cwd=folder)
+    )
 
 
 def test_the_chain_leaves_what_it_promises(gonio, tmp_path):
@@ -57,7 +59,7 @@ def test_the_model_does_not_know_the_truth(gonio, tmp_path):
     shutil.rmtree(session / "sim")
     shutil.rmtree(session / "model")
     (session / "samples.nc").unlink()
-    printed = ok(gonio("reconstruct", "session/", "--epochs", 20))
+    printed = ok(gonio("reconstruct", "session/", "--estimator", "paper", "--epochs", 20))
     assert hashes(session / "model") == before
     assert "not known" in printed
 
@@ -84,7 +86,9 @@ def test_a_table_goes_the_same_way(gonio, tmp_path):
     samples = Samples.load(tmp_path / "session/samples.nc")
     table = tmp_path / "samples.csv"
     write_table(table, samples)
-    printed = ok(gonio("reconstruct", "samples.csv", "-o", "model/", "--epochs", 20))
+    printed = ok(
+        gonio("reconstruct", "samples.csv", "-o", "model/", "--estimator", "paper", "--epochs", 20)
+    )
     assert "eps8" in printed
     with (
         np.load(tmp_path / "model/grid.npz") as ours,

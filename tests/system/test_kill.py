@@ -59,7 +59,7 @@ def test_nothing_is_lost(gonio, tmp_path, plan, count):
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert frames(killed) >= 48
     assert all(sha256_file(path) == digest for path, digest in kept.items())
-    reconstructed = gonio("reconstruct", "killed", "--epochs", "2")
+    reconstructed = gonio("reconstruct", "killed", "--estimator", "paper", "--epochs", "2")
     # four shots are fewer than a network needs: what counts is that all of them are there
     assert "there are 4 samples" in reconstructed.stderr
     assert "complete" in gonio("capture", "--sim", "--resume", "-o", "killed").stdout
