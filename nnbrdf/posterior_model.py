@@ -208,7 +208,7 @@ class PriorEstimator:
         """
         check_samples(samples, self.name)
         prior = self.prior or MaterialPrior.generate()
-        inference = infer(prior, samples)
+        inference = infer(prior.families, samples)
         if progress is not None:
             progress(1, 1)
         card = PosteriorCard(

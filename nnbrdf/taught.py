@@ -51,8 +51,11 @@ class TaughtCard(Document):
         What each channel multiplies its output with.
     weights
         Number of weights and biases of the first network.
-    teaching_error
-        Mean absolute difference of network and posterior in the logarithm, over what was taught.
+    teaching_error, unknown
+        Mean absolute difference of network and posterior in the logarithm, over what was taught;
+        and the posterior's mean deviation there.
+    left_small
+        Whether it has fewer weights than the default since these say as much.
     samples, steps, seed
         How many samples, how many batches, which seed.
     trainer
@@ -76,6 +79,8 @@ class TaughtCard(Document):
     color_space: str
     weights: Count
     teaching_error: float = Field(ge=0)
+    unknown: float = Field(ge=0)
+    left_small: bool
     samples: Count
     steps: Count
     seed: int = Field(ge=0)
@@ -102,12 +107,15 @@ class TaughtCard(Document):
     def sentences(self) -> list[str]:
         """Say how the model was made, as a person reads it."""
         shape = "-".join(map(str, self.layers))
-        return [
-            f"network {shape} ({self.activation}, {self.encoding} half-vector inputs), "
-            f"{self.steps} steps from seed {self.seed}, taught by the posterior to "
-            f"{self.teaching_error:.3f} in the logarithm",
-            *self.findings.sentences(),
+        result = [
+            f"network {shape}, {self.weights} weights ({self.activation}, {self.encoding} "
+            f"half-vector inputs), {self.steps} steps from seed {self.seed}; it misses the "
+            f"posterior by {self.teaching_error:.3f} in the logarithm, which leaves "
+            f"{self.unknown:.3f} unknown",
         ]
+        if self.left_small:
+            result.append("so few weights, since more would say no more than the posterior knows")
+        return result + self.findings.sentences()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _PAPER_SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
 _OF = {
-    "weights": ("nn", "paper"), "steps": ("nn", "paper"), "epochs": ("paper",),
+    "weights": ("nn", "paper"), "general": ("nn",), "steps": ("nn", "paper"), "epochs": ("paper",),
     "encoding": ("paper",), "activation": ("nn", "paper"), "trainer": ("nn", "paper"),
     "seed": ("nn", "analytic", "paper"), "prior": ("nn", "prior"),
 }  # fmt: skip
@@ -43,7 +43,15 @@ _OF = {
 @click.option(
     "--weights",
     type=click.Choice(["88", "1268", "2595", "9219"]),
-    help="Size of the network, of nn at most; paper knows the first two.  [default: 1268]",
+    help="Size of the network, of nn at most; paper knows the first two.  [default: 1268, of nn "
+    "fewer where these say as much]",
+)
+@click.option(
+    "--general",
+    is_flag=True,
+    default=None,
+    help="Leave nothing out: assume neither isotropy, nor reciprocity, nor channels that are "
+    "multiples of one, and take no smaller network than asked for.",
 )
 @click.option(
     "--steps",

@@ -14,10 +14,12 @@ from nnbrdf.prior.lognormal import LogNormal
 from nnbrdf.prior.posterior import Posterior, Sites
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from gonio.samples import Samples
-    from nnbrdf.prior.material_prior import MaterialPrior
+    from nnbrdf.prior.family import Family
 
     Array = NDArray[np.float64]
 
@@ -63,15 +65,15 @@ class Inference:
         return LogNormal(mean, self.inflation * deviation, self.scale)
 
 
-def infer(prior: MaterialPrior, samples: Samples) -> Inference:
-    """Condition the prior on samples.
+def infer(families: Sequence[Family], samples: Samples) -> Inference:
+    """Condition the families of a prior on samples.
 
     Values below zero count as zero. Clipped values that lie below what the others say are lower
     bounds and tell nothing more. A sample that lies four deviations or more from what the others
     say of it is given its residual as noise: it may be a gross error or a peak that no other sample
     announces, and in either case says little of its neighbors.
     """
-    sites = Sites(prior.families, Pairs.of(samples.light, samples.view))
+    sites = Sites(families, Pairs.of(samples.light, samples.view))
     scale = samples.white
     clipped = (samples.flag & Flag.CLIPPED).astype(bool).any(axis=1)
     doubt = np.zeros(len(samples))
@@ -79,7 +81,7 @@ def infer(prior: MaterialPrior, samples: Samples) -> Inference:
     for remaining in reversed(range(_ROUNDS)):
         log = np.log(samples.value.clip(0.0) / scale + OFFSET)
         noise = np.where(bounds, _IGNORED, _noise(samples, scale) + doubt)
-        posterior = sites.condition(log, noise)
+        posterior = sites.condition(log, noise, thorough=not remaining)
         if remaining:
             residual, variance = posterior.best.leave_one_out(log)
             squared = (residual**2).mean(axis=1)

@@ -44,7 +44,7 @@ def isotropic():
     rng = np.random.default_rng(0)
     values = material(8, True)
     samples = samples_of(values, directions(rng, 60), directions(rng, 60))
-    return values, samples, infer(PRIOR, samples)
+    return values, samples, infer(PRIOR.families, samples)
 
 
 def elsewhere(values, count=400):
@@ -75,7 +75,7 @@ def test_isotropy_is_found_by_evidence(isotropic):
     one = lobes.select(grained[:1])
     light, view = directions(rng, 80), directions(rng, 80)
     value = np.repeat(one.evaluate(Pairs.of(light, view)), 3, axis=1)
-    inference = infer(PRIOR, Samples.from_values(light, view, value))
+    inference = infer(PRIOR.families, Samples.from_values(light, view, value))
     assert not inference.posterior.isotropic
     assert inference.posterior.odds.isotropic < -5
 
@@ -88,7 +88,7 @@ def test_a_breach_of_reciprocity_is_found_and_followed():
         return values(light, view) * np.exp(0.4 * (light[:, 2:] - view[:, 2:]))
 
     samples = samples_of(tilted, directions(rng, 150), directions(rng, 150))
-    inference = infer(PRIOR, samples)
+    inference = infer(PRIOR.families, samples)
     assert not inference.posterior.reciprocal
     light, view, true = elsewhere(tilted)
     told = inference.predict(light, view).median
@@ -111,7 +111,7 @@ def test_units_do_not_matter(isotropic):
     values, samples, inference = isotropic
     thousand = replace(samples, value=1000 * samples.value, sigma=1000 * samples.sigma)
     light, view, _ = elsewhere(values, 50)
-    told = infer(PRIOR, thousand).predict(light, view).median
+    told = infer(PRIOR.families, thousand).predict(light, view).median
     assert told == pytest.approx(1000 * inference.predict(light, view).median, rel=1e-6)
 
 
@@ -130,11 +130,11 @@ def test_gross_errors_count_less():
     rows = [5, 20, 40, 60, 80]
     value = clean.value.copy()
     value[rows] *= np.array([10, 0.1, 30, 5, 0.03])[:, None]
-    inference = infer(PRIOR, replace(clean, value=value, sigma=0.001 * value))
+    inference = infer(PRIOR.families, replace(clean, value=value, sigma=0.001 * value))
     assert set(rows) <= set(inference.outliers.nonzero()[0].tolist())
     light, view, true = elsewhere(values)
     spoiled = log_error(inference.predict(light, view).median, true)
-    unspoiled = log_error(infer(PRIOR, clean).predict(light, view).median, true)
+    unspoiled = log_error(infer(PRIOR.families, clean).predict(light, view).median, true)
     assert spoiled < unspoiled + 0.05
 
 
@@ -154,11 +154,11 @@ def test_clipped_highlights_are_lower_bounds():
     most = np.quantile(clean.value, 0.85)
     flag = np.where(clean.value > most, np.uint32(Flag.CLIPPED), np.uint32(0))
     clipped = replace(clean, value=clean.value.clip(max=most), flag=flag)
-    inference = infer(PRIOR, clipped)
+    inference = infer(PRIOR.families, clipped)
     assert inference.bounds.any()
     bright = flag[:, 0] > 0
     told = inference.predict(light[bright], view[bright]).median
-    unaware = infer(PRIOR, replace(clipped, flag=np.zeros_like(flag)))
+    unaware = infer(PRIOR.families, replace(clipped, flag=np.zeros_like(flag)))
     unaware_told = unaware.predict(light[bright], view[bright]).median
     true = clean.value[bright]
     assert log_error(told, true) < 0.8 * log_error(unaware_told, true)
@@ -172,7 +172,7 @@ def test_quantiles_hold_the_truth_of_many_draws():
         values = material(seed, seed % 2 == 0)
         samples = samples_of(values, directions(rng, 48), directions(rng, 48))
         light, view, true = elsewhere(values, 60)
-        low, high = infer(PRIOR, samples).predict(light, view).quantiles
+        low, high = infer(PRIOR.families, samples).predict(light, view).quantiles
         held += ((low[:, :1] <= true) & (true <= high[:, :1])).sum()
         counted += true.size
     assert 0.84 < held / counted < 0.97
@@ -201,7 +201,7 @@ def test_extreme_places_stay_finite(name):
     values = material(3, False)
     light, view = EXTREMES[name](rng, values)
     light, view = light * [1, 1, 0] + np.maximum(light * [0, 0, 1], 0), view.clip([-1, -1, 0], 1)
-    inference = infer(PRIOR, samples_of(values, light, view))
+    inference = infer(PRIOR.families, samples_of(values, light, view))
     told = inference.predict(GRID.light[::97], GRID.view[::97])
     for array in (told.median, told.sigma, *told.quantiles):
         assert np.isfinite(array).all()
@@ -220,7 +220,7 @@ def test_extreme_values_stay_finite(value):
         "tiny": rng.lognormal(0, 1, 60) * 1e-9,
     }[value]
     samples = Samples.from_values(light, view, np.repeat(column[:, None], 3, axis=1))
-    told = infer(PRIOR, samples).predict(GRID.light[::97], GRID.view[::97])
+    told = infer(PRIOR.families, samples).predict(GRID.light[::97], GRID.view[::97])
     assert np.isfinite(told.median).all()
     assert np.isfinite(told.sigma).all()
     if value == "constant":

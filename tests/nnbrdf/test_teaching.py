@@ -236,3 +236,24 @@ def test_progress_ends_at_the_whole():
 def test_what_was_loaded_is_a_taught_network(tmp_path, taught):
     taught.save(tmp_path / "model")
     assert isinstance(load_model(tmp_path / "model"), TaughtBRDF)
+
+
+def matte(count=40):
+    light, view = directions(1, count), directions(2, count)
+    value = np.array([0.5, 0.3, 0.2]) / np.pi * (1 + 0.1 * light[:, :1] * view[:, 1:2])
+    return Samples.from_values(light, view, value, sigma=0.02 * value)
+
+
+def test_a_matte_material_needs_fewer_weights():
+    model = estimator(steps=20_000).fit(matte())
+    assert model.card.left_small
+    assert model.card.weights <= 88
+    assert any("more would say no more" in sentence for sentence in model.card.sentences())
+
+
+def test_nothing_is_left_out_when_told_so():
+    model = estimator(general=True, steps=500).fit(samples_of(count=30))
+    assert model.card.encoding == "anisotropic-exchange"
+    assert model.card.layers[-1] == 3
+    assert not model.card.left_small
+    assert model.card.weights > 1200
