@@ -7,6 +7,10 @@ constexpr int kEncodingCount = 4;
 constexpr int kChannels = 3;
 constexpr int kVectors = 3;  // of pairs, side by side in registers
 
+// What the totals of hidden layers are multiplied with, by their weights, for the quick GELU.
+constexpr int kGelu = 16;
+constexpr double kGeluScale = 0.1354071416432868;
+
 // The network says ln(value / scale + offset); `tint` is what each channel multiplies that with.
 struct Network {
     int layers;

@@ -40,17 +40,22 @@ struct alignas(64) Line {
     float values[16];
 };
 
-// The weights as the kernel reads them: inputs down, outputs across, the bias last.
+// The weights as the kernel reads them: inputs down, outputs across, the bias last. All hidden
+// signals are `scale` times what they are.
 class Packed {
    public:
-    Packed(const std::vector<Floats>& layers, int inputs) : sizes_{inputs} {
+    Packed(const std::vector<Floats>& layers, int inputs, double scale) : sizes_{inputs} {
         for (const Floats& layer : layers) {
+            const double to = &layer == &layers.back() ? 1 : scale;
+            const double from = &layer == &layers.front() ? 1 : scale;
             if (layer.ndim() != 2 || layer.shape(0) < 1 || layer.shape(1) != sizes_.back() + 1)
                 throw std::invalid_argument("the layers do not fit together, or the inputs");
             const int outputs = int(layer.shape(0)), rows = int(layer.shape(1));
             std::vector<float> turned(std::size_t(outputs) * rows);
             for (int out = 0; out < outputs; ++out)
-                for (int in = 0; in < rows; ++in) turned[in * outputs + out] = layer.at(out, in);
+                for (int in = 0; in < rows; ++in)
+                    turned[in * outputs + out] =
+                        float(layer.at(out, in) * (in == rows - 1 ? to : to / from));
             weights_.push_back(std::move(turned));
             pointers_.push_back(weights_.back().data());
             sizes_.push_back(outputs);
@@ -95,7 +100,7 @@ void evaluate(const std::vector<Floats>& layers, int activation, int encoding, f
     const std::int64_t pairs = values.ndim() == 2 ? values.shape(0) : -1;
     for (const Rows<T>* rows : {&light, &view, static_cast<const Rows<T>*>(&values)})
         check_rows(*rows, pairs);
-    const Packed packed(layers, kInputs[encoding]);
+    const Packed packed(layers, kInputs[encoding], activation == kGelu ? kGeluScale : 1);
     Network network{};
     packed.fill(network);
     network.activation = activation;

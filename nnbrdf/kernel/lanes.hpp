@@ -28,6 +28,18 @@ inline Singles at_least(Singles x, Singles least) {
 #endif
 }
 
+inline Singles at_most(Singles x, Singles most) {
+#if defined(__AVX512F__)
+    return _mm512_maskz_min_ps(0xffff, most, x);
+#elif defined(__AVX2__)
+    return _mm256_min_ps(most, x);
+#elif defined(__SSE2__)
+    return _mm_min_ps(most, x);
+#else
+    return x > most ? most : x;
+#endif
+}
+
 inline Singles root(Singles x) {
     for (int lane = 0; lane < kWidth<float>; ++lane) x[lane] = __builtin_sqrtf(x[lane]);
     return x;
