@@ -11,6 +11,7 @@ import numpy as np
 from gonio.errors import StorageError
 from gonio.files import move_into, write_with
 from nnbrdf.card import CARD_NAME
+from nnbrdf.compared import FILE_NAME as COMPARE_NAME
 from nnbrdf.ensemble import grid_pairs
 from nnbrdf.history import FILE_NAME as HISTORY_NAME
 from nnbrdf.weights import WEIGHTS_NAME
@@ -108,7 +109,7 @@ def in_chunks(
 
 def _exchange(aside: Path, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    for name in (CARD_NAME, HISTORY_NAME, PRIOR_NAME):
+    for name in (CARD_NAME, WEIGHTS_NAME, HISTORY_NAME, PRIOR_NAME, COMPARE_NAME):
         (folder / name).unlink(missing_ok=True)
     for name in (WEIGHTS_NAME, GRID_NAME, HISTORY_NAME, PRIOR_NAME, CARD_NAME):
         if (aside / name).exists():

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gonio.report.summary import Summary
     from gonio.samples import Samples
     from gonio.session import Session
+    from nnbrdf.compare import Trial
 
 _PAPER_SIZES = {"1268": (15, 30, 20), "88": (3, 6, 4)}
 _OF = {
@@ -82,11 +83,18 @@ _OF = {
     help="What materials look like (see gonio prior).  [default: generated ones]",
 )
 @click.option("--seed", type=click.IntRange(min=0), help="Of starts and orders.  [default: 0]")
+@click.option(
+    "--compare",
+    is_flag=True,
+    help="Also fit every estimator, at every size, and show error against time in the report: "
+    "against the truth of a simulated session, else at every fifth sample, held out.",
+)
 def command(
     *,
     source: Path,
     output: Path | None,
     estimator: str,
+    compare: bool,
     **settings: str | int | Path | None,
 ) -> None:
     """Turn SOURCE into a material for the whole hemisphere, with error bars.
@@ -100,14 +108,15 @@ def command(
     Examples:
         gonio reconstruct session/
         gonio reconstruct session/ --weights 9219
+        gonio reconstruct session/ --compare
         gonio reconstruct session/ --estimator paper --steps 103000 -o paper/
         gonio reconstruct samples.csv -o model/
     """  # noqa: D301
     recipe = _recipe(estimator, {k: v for k, v in settings.items() if v is not None})
     if source.is_file():
-        _from_table(recipe, source, output or source.parent / "model")
+        _from_table(recipe, source, output or source.parent / "model", compare)
     else:
-        _from_session(recipe, source, output)
+        _from_session(recipe, source, output, compare)
 
 
 def _recipe(name: str, settings: dict[str, Any]) -> Estimator:
@@ -133,17 +142,20 @@ def _recipe(name: str, settings: dict[str, Any]) -> Estimator:
     return estimator_named(name)(**settings)
 
 
-def _from_table(recipe: Estimator, table: Path, folder: Path) -> None:
+def _from_table(recipe: Estimator, table: Path, folder: Path, compare: bool) -> None:
     from gonio.report import write_report
     from gonio.tables import read_table
 
     samples = read_table(table)
+    trial = _trial(samples, None) if compare else None
     _fit(recipe, samples, folder)
+    if trial:
+        _compare(recipe, trial, folder)
     page = folder / "report.html"
     _show(write_report(page, model=folder, samples=samples), folder, page)
 
 
-def _from_session(recipe: Estimator, root: Path, output: Path | None) -> None:
+def _from_session(recipe: Estimator, root: Path, output: Path | None, compare: bool) -> None:
     from gonio.report import write_report
     from gonio.session import Session
 
@@ -153,7 +165,10 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None) -> None:
     folder = output or session.model
     with session.lock():
         samples = _reduced(session)
+        trial = _trial(samples, session) if compare else None
         session.note_timing("reconstruct", _fit(recipe, samples, folder))
+        if trial:
+            _compare(recipe, trial, folder)
         page = folder / "report.html" if output else session.report_path
         summary = write_report(page, model=folder, samples=samples, session=session)
     _show(summary, folder, page)
@@ -184,6 +199,26 @@ def _fit(recipe: Estimator, samples: Samples, folder: Path) -> float:
         estimate = recipe.fit(samples, progress)
     estimate.save(folder)
     return time.perf_counter() - began
+
+
+def _trial(samples: Samples, session: Session | None) -> Trial:
+    from gonio.report import truth_of
+    from nnbrdf.compare import Trial
+
+    return Trial.of(samples, truth_of(session))
+
+
+def _compare(recipe: Estimator, trial: Trial, folder: Path) -> None:
+    from gonio.cli._console import console, duration, progress_bar
+    from nnbrdf.compare import compare, competitors
+    from nnbrdf.compared import save_entries
+
+    began = time.perf_counter()
+    estimators = competitors(getattr(recipe, "prior", None))
+    entries = compare(trial, estimators, lambda name: progress_bar(f"comparing {name}"))
+    save_entries(folder, entries)
+    taken = duration(time.perf_counter() - began)
+    console.print(f"compared {len(entries)} estimators in {taken}")
 
 
 def _show(summary: Summary, folder: Path, page: Path) -> None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from nnbrdf.load import Model
 
+_ENDS_AT_WHITE = {"paper": " Beyond it, the network was told no more than white."}
 _PLANES = ((0.0, "Along the marked edge"), (90.0, "Across the marked edge"))
 
 
@@ -135,7 +136,7 @@ def _errors(
     yield _drawing(
         "Model against samples",
         errors.draw_scatter(estimate, samples),
-        "A dot a value. Beyond white (upright line) the network was told no more than white.",
+        f"A dot a value; upright line: white.{_ENDS_AT_WHITE.get(estimate.card.estimator, '')}",
     )
     if (model / FILE_NAME).is_file():
         what = "Loss" if truth is None else "Error"

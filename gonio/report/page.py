@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any
 
-from gonio.errors import BadFileError
 from gonio.files import write_bytes
 from gonio.report.summary import summarize
+from gonio.report.truth import truth_of
 from gonio.samples import Flag
 
 if TYPE_CHECKING:
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from nnbrdf.albedo import Albedo
     from nnbrdf.load import Model
 
-_log = logging.getLogger(__name__)
 _STAGES = ("capture", "reduce", "reconstruct")
 _MEANINGS = {
     Flag.CLIPPED: "saturated in every exposure: the value is a lower bound",
@@ -54,25 +52,12 @@ def write_report(
     gonio.errors.StorageError
         When the page cannot be written.
     """
-    truth = _truth(session)
+    truth = truth_of(session)
     summary = summarize(model, samples, truth)
     page = _render(summary, model, samples, session, truth)
     # a name with half a surrogate pair is no UTF-8, and no reason to fail either
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
     return summary
-
-
-def _truth(session: Session | None) -> MeasuredTable | None:
-    """Return the truth, if it is there and can be read: a report is due without it."""
-    from gonio.materials import MeasuredTable
-
-    if session is None or not session.truth_path.is_file():
-        return None
-    try:
-        return MeasuredTable.load(session.truth_path)
-    except BadFileError as error:
-        _log.warning("%s", error)
-        return None
 
 
 def _render(
@@ -85,6 +70,7 @@ def _render(
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from gonio.report import provenance
+    from gonio.report.compare import comparison_of
     from gonio.report.drawings import draw_all
     from gonio.report.next_pairs import next_pairs
     from nnbrdf.load import load_model
@@ -110,6 +96,7 @@ def _render(
         "versions": provenance.versions(),
         "hashes": provenance.hashes(model, samples, session),
         "drawn": draw_all(model, samples, chain, truth),
+        "comparison": comparison_of(model),
     }
     return environment.get_template("page.html").render(content)
 

@@ -31,7 +31,12 @@ class Point:
     error: float
 
 
-def draw_pareto(points: Sequence[Point], error_name: str, time_name: str) -> Figure:
+def draw_pareto(
+    points: Sequence[Point],
+    error_name: str,
+    time_name: str,
+    size_in: tuple[float, float] = (5.4, 4.0),
+) -> Figure:
     """Draw error against time on logarithmic axes; nobody beats those on the line in both.
 
     Parameters
@@ -40,8 +45,10 @@ def draw_pareto(points: Sequence[Point], error_name: str, time_name: str) -> Fig
         At least one.
     error_name, time_name
         What the axes say.
+    size_in
+        Width and height: the fewer the points, the smaller, and the larger what is written.
     """
-    figure = new_figure(5.4, 4.0)
+    figure = new_figure(*size_in)
     axes = figure.subplots()
     best = pareto_front(points)
     seconds, errors = ([getattr(p, field) for p in points] for field in ("seconds", "error"))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
-from statistics import median
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,19 +16,15 @@ from nnbrdf.metrics import Scores, score
 from nnbrdf.network import glorot_uniform
 from nnbrdf.studies.job import METRICS
 from nnbrdf.studies.tables import median_of
+from nnbrdf.timing import million_seconds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from nnbrdf.studies.job import Job, Outcome
     from nnbrdf.studies.train import Truth
-
-    Evaluate = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
-
-TIMED_PAIRS = 100_000
-_REPEATS = 3
 
 
 @dataclass(frozen=True)
@@ -96,17 +90,3 @@ def _medians(job: Job, outcomes: Sequence[Outcome]) -> Result:
         median_of(outcomes, "seconds"),
         million_seconds(network.predict),
     )
-
-
-def million_seconds(evaluate: Evaluate) -> float:
-    """Return the seconds that a million random pairs take, from 100,000 of them."""
-    rng = np.random.default_rng(0)
-    vectors = rng.normal(size=(2, TIMED_PAIRS, 3))
-    vectors[..., 2] = np.abs(vectors[..., 2])
-    light, view = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    taken = []
-    for _ in range(_REPEATS):
-        began = perf_counter()
-        evaluate(light, view)
-        taken.append(perf_counter() - began)
-    return median(taken) * 1e6 / TIMED_PAIRS

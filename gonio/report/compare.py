@@ -1,0 +1,74 @@
+"""Every estimator side by side: error against time, and the table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from gonio.report.drawings import Drawing
+from gonio.report.figures import inline_svg, page_style
+from gonio.report.pareto import Point, draw_pareto
+from nnbrdf.compared import load_entries
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from nnbrdf.compared import Entry
+
+_HELD_AGAINST = {
+    "truth": "Each fitted with its default settings to all samples. Errors against the truth, over "
+    "the 81 x 81 pairs.",
+    "held out": "Each fitted with its default settings to four of five samples. Errors at every "
+    "fifth, which was held out, with white 4 x the median of all.",
+}
+_TIMES = (
+    ("Error against fitting time", "fit_seconds", "time of the fit (s)"),
+    ("Error against evaluation time", "million_seconds", "time of a million pairs (s)"),
+)
+_LEAST_ERROR = 1e-3
+_SIZE_IN = (4.2, 3.4)
+
+
+class Comparison(NamedTuple):
+    """What the page shows of a comparison.
+
+    Attributes
+    ----------
+    entries
+        Least eps8 first.
+    held_against
+        What the errors are, in a sentence.
+    drawings
+        Error against time of fitting, and of evaluation.
+    """
+
+    entries: list[Entry]
+    held_against: str
+    drawings: list[Drawing]
+
+
+def comparison_of(model: Path) -> Comparison | None:
+    """Return what a model's folder holds of a comparison, if there is one.
+
+    Raises
+    ------
+    gonio.errors.BadFileError
+        When its table is broken.
+    """
+    entries = sorted(load_entries(model), key=lambda entry: entry.eps8)
+    if not entries:
+        return None
+    drawings = [_race(entries, *each) for each in _TIMES]
+    return Comparison(entries, _HELD_AGAINST[entries[0].against], drawings)
+
+
+def _race(entries: Sequence[Entry], title: str, field: str, time_name: str) -> Drawing:
+    points = [
+        # a logarithmic axis has no zero
+        Point(entry.name, getattr(entry, field), max(entry.eps8, _LEAST_ERROR))
+        for entry in entries
+    ]
+    with page_style():
+        figure = draw_pareto(points, "eps8 (8-bit steps)", time_name, _SIZE_IN)
+        svg = inline_svg(figure, "-".join(title.lower().split()), title)
+    return Drawing(title, svg, "Nobody beats those on the line in both at once.")
