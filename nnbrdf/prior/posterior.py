@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-SMOOTH = (0.003, 0.03, 0.3)
+SMOOTH = (0.0003, 0.003, 0.03, 0.3)
 STRETCH = (0.7, 1.5)
 EXCHANGE = (0.0, 0.003, 0.03, 0.2)
-NOISE = (1e-4, 1e-3, 1e-2, 6e-2)
+NOISE = (1e-5, 1e-4, 1e-3, 1e-2, 6e-2)
 _JUDGES = 400
 _COUNTS = 0.02
 _KEPT = 4
