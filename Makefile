@@ -4,10 +4,10 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
 
-.PHONY: help setup demo test bench docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration few-shots docs format clean
 
 help:            ## list the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
 setup: $(STAMP)  ## a virtual environment with everything in it
 
@@ -32,6 +32,15 @@ test: setup      ## format, lint, types, layers, then the tests
 
 bench: setup     ## benchmarks: ratios to named alternatives, each in one run
 	$(BIN)/python -m pytest tests/benchmarks -s --override-ini='python_files=bench_*.py'
+
+bench-evaluate: setup  ## evaluation time: NumPy, kernel, compiled GGX, on one core
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks/bench_evaluate.py -s --override-ini='python_files=bench_*.py'
+
+calibration: setup  ## does the band hold nine of ten, over 1000 materials (6 minutes)
+	$(BIN)/python tests/benchmarks/study_calibration.py
+
+few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)
 
 docs: setup      ## the documentation site, in docs/_build
 	$(BIN)/sphinx-build -W --keep-going -q docs docs/_build
