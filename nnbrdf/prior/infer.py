@@ -27,7 +27,7 @@ _IGNORED = 1e4
 _FAR = 4.0
 _LEAST = 1e-8
 _ROUNDS = 4
-_SPREAD = (1.0, 2.0)
+_SPREAD = (0.8, 2.0)
 _Z90 = 1.6448536269514722
 
 
