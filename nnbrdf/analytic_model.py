@@ -14,7 +14,7 @@ from gonio.validation import Document
 from nnbrdf.card import CARD_NAME, read_document
 from nnbrdf.fitting import MODELS, Fit, fit_model, model_named
 from nnbrdf.folder import grid_of, save_model, write_grid
-from nnbrdf.prior.family import OFFSET
+from nnbrdf.prior.log import OFFSET
 from nnbrdf.prior.lognormal import LogNormal
 from nnbrdf.usable import check_samples
 

@@ -10,7 +10,7 @@ import numpy as np
 from gonio.errors import BadInputError
 from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
-from nnbrdf.prior.family import OFFSET
+from nnbrdf.prior.log import OFFSET
 
 try:
     from nnbrdf import _evaluate

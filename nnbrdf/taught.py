@@ -19,6 +19,7 @@ from nnbrdf.findings import Findings
 from nnbrdf.folder import grid_of, in_chunks, save_model, write_grid
 from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
 from nnbrdf.network import Networks, weight_count
+from nnbrdf.prior.learned import LearnedMaterial
 from nnbrdf.prior.lognormal import LogNormal
 from nnbrdf.weights import read_tensors, shapes_of, write_tensors
 
@@ -155,6 +156,12 @@ class TaughtBRDF:
         low = in_chunks(lambda *pairs: self._told(*pairs).quantiles[0] * self._tint, light, view)
         high = in_chunks(lambda *pairs: self._told(*pairs).quantiles[1] * self._tint, light, view)
         return low, high
+
+    def as_example(self) -> LearnedMaterial:
+        """Return the material as an example for the prior."""
+        outputs = self.card.layers[-1]
+        tint = np.asarray(self.card.tint) if outputs > 1 else np.array([np.mean(self.card.tint)])
+        return LearnedMaterial(self.value, self.card.encoding, tint)
 
     def grid(self) -> dict[str, NDArray[np.float32]]:
         """Return `values`, `sigma`, `lo` and `hi` on the 81 x 81 grid, shape (81, 81, 3) each."""

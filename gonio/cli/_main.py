@@ -27,6 +27,7 @@ COMMANDS = {
     "capture": "Measure a plan on the rig, or on its simulated twin; writes session/.",
     "reduce": "Turn a session's raw frames into BRDF samples with sigma.",
     "reconstruct": "Turn a session, or a table of samples, into an NN-BRDF with a report.",
+    "prior": "Make a prior of what materials look like from your own sessions.",
     "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
 }

@@ -19,6 +19,7 @@ from nnbrdf.prior.kernels import (
     isotropic_features,
     matern,
 )
+from nnbrdf.prior.log import OFFSET
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,14 +27,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nnbrdf.prior.generated import GeneratedMaterials
+    from nnbrdf.prior.learned import LearnedMaterial
 
     Array = NDArray[np.float64]
 
 _NOTHING = 1e-10
 EXPOSURE = 1.0
 """Variance of the logarithm of a material's scale, which the examples do not tell."""
-OFFSET = 0.01
-"""Added to value / white before the logarithm, as in the metric male."""
+_AS_MANY = 10
 
 
 class Traits(NamedTuple):
@@ -42,10 +43,10 @@ class Traits(NamedTuple):
     Attributes
     ----------
     examples
-        Each example's logarithm less their mean, over the root of their number, at the pairs that
+        Each example's logarithm less their mean, times the root of its weight, at the pairs that
         differ in the family's eyes, shape (distinct, examples).
     distinct_mean
-        Mean of the examples' logarithms, shape (distinct,).
+        Weighted mean of the examples' logarithms, shape (distinct,).
     which
         Which of these each pair is, shape (n,).
     features
@@ -120,11 +121,15 @@ class Family:
     name
         `isotropic` or `anisotropic`.
     examples
-        Materials that resemble what may come.
+        Generated materials, which resemble what may come.
+    learned
+        Materials that were measured before. Ten of them count as much as all that were generated;
+        fewer or more as n / (n + 10) of the whole.
     """
 
     name: str
     examples: GeneratedMaterials
+    learned: tuple[LearnedMaterial, ...] = ()
 
     @property
     def isotropic(self) -> bool:
@@ -136,14 +141,24 @@ class Family:
         """4 x each example's median over the 81 x 81 grid, told from every seventh pair, (n,)."""
         grid, _ = self.distinct(grid_pairs())
         some = np.arange(0, len(grid), max(1, len(grid) // 450))
-        return np.asarray(4 * np.median(self.examples.evaluate(grid.part(some)), axis=0))
+        return np.asarray(4 * np.median(self._evaluate(grid.part(some)), axis=0))
+
+    @property
+    def weights(self) -> Array:
+        """How much each example counts, the generated first; they add up to one."""
+        generated, learned = len(self.examples), len(self.learned)
+        share = learned / (learned + _AS_MANY)
+        return np.concatenate(
+            [np.full(generated, (1 - share) / generated), np.full(learned, share / max(learned, 1))]
+        )
 
     def traits(self, pairs: Pairs) -> Traits:
         """Evaluate the examples at pairs; those equal by symmetry are evaluated once."""
         distinct, which = self.distinct(pairs)
-        log = np.log(self.examples.evaluate(distinct) / self.white + OFFSET)
-        mean = log.mean(axis=1)
-        log = (log - mean[:, None]) / np.sqrt(log.shape[1])
+        log = np.log(self._evaluate(distinct) / self.white + OFFSET)
+        weights = self.weights
+        mean = log @ weights
+        log = (log - mean[:, None]) * np.sqrt(weights)
         features = isotropic_features if self.isotropic else anisotropic_features
         return Traits(log, mean, which, features(pairs), pairs)
 
@@ -163,6 +178,10 @@ class Family:
             np.ones(len(traits.pairs)),
             exchange_variance(traits.pairs, isotropic=self.isotropic),
         )
+
+    def _evaluate(self, pairs: Pairs) -> Array:
+        learned = [each.evaluate(pairs)[:, None] for each in self.learned]
+        return np.concatenate([self.examples.evaluate(pairs), *learned], axis=1)
 
     def distinct(self, pairs: Pairs) -> tuple[Pairs, NDArray[np.int64]]:
         """Return the pairs that differ in the family's eyes, and which of them each pair is."""

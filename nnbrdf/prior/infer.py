@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.samples import WHITE_PER_MEDIAN, Flag
-from nnbrdf.prior.family import OFFSET, grid_pairs
+from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.geometry import Pairs
+from nnbrdf.prior.log import OFFSET
 from nnbrdf.prior.lognormal import LogNormal
 from nnbrdf.prior.posterior import Posterior, Sites
 

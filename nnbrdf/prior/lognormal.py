@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nnbrdf.prior.family import OFFSET
+from nnbrdf.prior.log import OFFSET
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

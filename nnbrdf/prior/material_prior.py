@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields, replace
+from itertools import count
+from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 from gonio.errors import BadFileError
 from gonio.files import write_with
 from gonio.protocols import PriorKind
+from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
+from nnbrdf.network import Networks
 from nnbrdf.prior.family import Family, Settings, pivoted_cholesky
 from nnbrdf.prior.generated import GeneratedMaterials
 from nnbrdf.prior.geometry import Pairs
+from nnbrdf.prior.learned import LearnedMaterial
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -61,13 +67,30 @@ class MaterialPrior:
             for family, share in zip(self.families, shares, strict=True)
         ]
 
+    def learn(self, materials: Sequence[LearnedMaterial]) -> MaterialPrior:
+        """Return the prior with materials that were measured added to what it has.
+
+        Isotropic ones are examples of both kinds, the others of the second alone.
+        """
+        isotropic, other = self.families
+        flat = tuple(each for each in materials if each.isotropic)
+        return MaterialPrior(
+            (
+                replace(isotropic, learned=isotropic.learned + flat),
+                replace(other, learned=other.learned + tuple(materials)),
+            )
+        )
+
     def save(self, path: Path) -> None:
-        """Write the examples' parameters as npz, without pickles."""
+        """Write the examples' parameters and weights as npz, without pickles."""
         arrays = {
             f"{family.name}.{field.name}": getattr(family.examples, field.name)
             for family in self.families
             for field in fields(GeneratedMaterials)
         }
+        # the second family has them all
+        for index, each in enumerate(self.families[1].learned):
+            arrays |= _arrays_of(f"learned.{index}", each)
 
         def write(aside: Path) -> None:
             with aside.open("wb") as file:
@@ -86,21 +109,51 @@ class MaterialPrior:
         """
         try:
             with np.load(path, allow_pickle=False) as file:
-                if str(file["schema"]) != SCHEMA:
-                    raise BadFileError(path, f"has schema {file['schema']}, not {SCHEMA}", _REMEDY)
-                isotropic, other = (
-                    Family(name, _examples(dict(file), name))
-                    for name in ("isotropic", "anisotropic")
-                )
-        except (OSError, ValueError, KeyError, EOFError) as error:
+                arrays = dict(file)
+            if str(arrays["schema"]) != SCHEMA:
+                raise BadFileError(path, f"has schema {arrays['schema']}, not {SCHEMA}", _REMEDY)
+            isotropic, other = (
+                Family(name, _examples(arrays, name)) for name in ("isotropic", "anisotropic")
+            )
+            return cls((isotropic, other)).learn(_learned(arrays))
+        except FileNotFoundError:
+            raise BadFileError(path, "no such file", _REMEDY) from None
+        except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile) as error:
             raise BadFileError(path, f"is no prior ({error})", _REMEDY) from None
-        return cls((isotropic, other))
 
 
 def _examples(arrays: dict[str, Array], name: str) -> GeneratedMaterials:
-    return GeneratedMaterials(
-        *(arrays[f"{name}.{field.name}"] for field in fields(GeneratedMaterials))
-    )
+    columns = [arrays[f"{name}.{field.name}"].astype(float) for field in fields(GeneratedMaterials)]
+    if len({len(each) for each in columns}) != 1 or not all(np.isfinite(c).all() for c in columns):
+        raise ValueError(f"the {name} examples do not fit together")
+    return GeneratedMaterials(*columns)
+
+
+def _arrays_of(prefix: str, material: LearnedMaterial) -> dict[str, Any]:
+    layers = {f"{prefix}.layer.{i}": layer for i, layer in enumerate(material.network.layers)}
+    return layers | {
+        f"{prefix}.encoding": np.array(material.encoding),
+        f"{prefix}.activation": np.array(material.network.activation),
+        f"{prefix}.tint": material.tint,
+    }
+
+
+def _learned(arrays: dict[str, Array]) -> list[LearnedMaterial]:
+    result: list[LearnedMaterial] = []
+    for index in count():
+        prefix = f"learned.{index}"
+        if f"{prefix}.encoding" not in arrays:
+            return result
+        depth = sum(name.startswith(f"{prefix}.layer.") for name in arrays)
+        layers = tuple(arrays[f"{prefix}.layer.{i}"] for i in range(depth))
+        encoding = str(arrays[f"{prefix}.encoding"])
+        if encoding not in HALFWAY or not all(np.isfinite(layer).all() for layer in layers):
+            raise ValueError(f"learned material {index} cannot be evaluated")
+        network = Networks(layers, str(arrays[f"{prefix}.activation"]))
+        if network.sizes[0] != HALFWAY_INPUTS[encoding]:
+            raise ValueError(f"learned material {index} has other inputs")
+        result.append(LearnedMaterial(network, encoding, arrays[f"{prefix}.tint"]))
+    return result
 
 
 def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[Array, NDArray[np.int64]]:

@@ -16,7 +16,7 @@ from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.evaluate import evaluate
 from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
 from nnbrdf.network import Networks, glorot_uniform
-from nnbrdf.prior.family import OFFSET
+from nnbrdf.prior.log import OFFSET
 from nnbrdf.taught import TaughtBRDF, TaughtCard
 
 _evaluate = pytest.importorskip("nnbrdf._evaluate", reason="the kernel was not compiled")

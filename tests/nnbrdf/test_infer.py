@@ -6,9 +6,10 @@ import pytest
 from gonio.directions import from_degrees
 from gonio.samples import Flag, Samples
 from nnbrdf.prior import MaterialPrior, Pairs
-from nnbrdf.prior.family import OFFSET, grid_pairs
+from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
 from nnbrdf.prior.infer import infer
+from nnbrdf.prior.log import OFFSET
 from nnbrdf.prior.posterior import Sites
 
 PRIOR = MaterialPrior.generate(examples=300)

@@ -1,0 +1,158 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gonio.cli import main
+from gonio.directions import from_degrees
+from gonio.errors import BadFileError
+from gonio.samples import Samples
+from nnbrdf.posterior_model import PriorEstimator
+from nnbrdf.prior import MaterialPrior, Pairs
+from nnbrdf.prior.family import grid_pairs
+from nnbrdf.prior.generated import GeneratedMaterials
+from nnbrdf.teaching import TaughtEstimator
+
+PRIOR = MaterialPrior.generate(examples=150)
+
+
+def directions(seed, count):
+    rng = np.random.default_rng(seed)
+    return from_degrees(rng.uniform(0, 75, count), rng.uniform(0, 360, count))
+
+
+def siblings(count):
+    """Return materials that differ a little from each other and much from most."""
+    drawn = GeneratedMaterials.draw(2000, 3, isotropic=True)
+    one = drawn.select(np.flatnonzero((drawn.sheen > 0.1) & (drawn.retro > 0.1))[:1])
+    rng = np.random.default_rng(0)
+    for _ in range(count):
+        yield replace(
+            one,
+            sheen=one.sheen * rng.lognormal(0, 0.3),
+            retro=3 * one.retro * rng.lognormal(0, 0.3),
+            retro_power=np.array([90.0]),
+            body=one.body * rng.lognormal(0, 0.3),
+        )
+
+
+def samples_of(material, count, seed):
+    light, view = directions(seed, count), directions(seed + 1, count)
+    value = np.repeat(material.evaluate(Pairs.of(light, view)), 3, axis=1)
+    return Samples.from_values(light, view, value, sigma=0.001 * value)
+
+
+@pytest.fixture(scope="module")
+def family():
+    *measured, last = siblings(6)
+    estimator = TaughtEstimator(prior=PRIOR, steps=20_000, size="1268")
+    models = [estimator.fit(samples_of(each, 150, 10 * i)) for i, each in enumerate(measured)]
+    return models, last
+
+
+def test_measured_relatives_make_few_shots_better(family):
+    models, last = family
+    sharper = PRIOR.learn([model.as_example() for model in models])
+    grid = grid_pairs().part(slice(0, None, 11))
+    true = last.evaluate(grid)
+    floor = 0.04 * np.median(true)
+
+    def error(prior):
+        told = PriorEstimator(prior=prior).fit(samples_of(last, 16, 99))
+        value = told.evaluate(grid.light, grid.view)[:, :1]
+        return np.abs(np.log((value + floor) / (true + floor))).mean()
+
+    assert error(sharper) < 0.8 * error(PRIOR)
+
+
+def test_an_example_is_the_material_up_to_scale(family):
+    models, _ = family
+    grid = grid_pairs().part(slice(0, None, 37))
+    told = models[0].evaluate(grid.light, grid.view).mean(axis=1)
+    other = models[0].evaluate(grid.view, grid.light).mean(axis=1)
+    ratio = models[0].as_example().evaluate(grid) / np.sqrt(told * other)
+    assert ratio == pytest.approx(np.median(ratio), rel=0.02)
+
+
+def test_ten_count_as_much_as_all_generated_ones(family):
+    example = family[0][0].as_example()
+    weights = PRIOR.learn([example] * 10).families[0].weights
+    assert weights.sum() == pytest.approx(1)
+    assert weights[:150].sum() == pytest.approx(0.5)
+    assert PRIOR.families[0].weights == pytest.approx(1 / 150)
+
+
+def test_a_grained_material_is_no_isotropic_example(family):
+    example = replace(family[0][0].as_example(), encoding="anisotropic")
+    isotropic, other = PRIOR.learn([example]).families
+    assert len(isotropic.learned) == 0
+    assert len(other.learned) == 1
+
+
+def test_it_loads_as_it_was_saved(family, tmp_path):
+    prior = PRIOR.learn([model.as_example() for model in family[0]])
+    prior.save(tmp_path / "prior.npz")
+    again = MaterialPrior.load(tmp_path / "prior.npz")
+    pairs = grid_pairs().part(slice(0, None, 101))
+    for mine, told in zip(prior.families, again.families, strict=True):
+        assert len(told.learned) == 5
+        assert (mine.traits(pairs).examples == told.traits(pairs).examples).all()
+
+
+BROKEN = {
+    "missing": None,
+    "empty": b"",
+    "no npz": b"PK nothing of the kind",
+    "other arrays": "other",
+    "not finite": "nan",
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_file_is_one_line(name, tmp_path):
+    path, content = tmp_path / "prior.npz", BROKEN[name]
+    if content == "other":
+        np.savez(path, schema=np.array("gonio.prior/1"), body=np.ones(3))
+    elif content == "nan":
+        PRIOR.save(path)
+        arrays = dict(np.load(path))
+        arrays["isotropic.body"][3] = np.nan
+        np.savez(path, **arrays)
+    elif content is not None:
+        path.write_bytes(content)
+    with pytest.raises(BadFileError, match=r"prior\.npz"):
+        MaterialPrior.load(path)
+
+
+def run(monkeypatch, *words):
+    monkeypatch.setattr("sys.argv", ["gonio", *map(str, words)])
+    try:
+        main()
+    except SystemExit as stop:
+        return stop.code
+    return 0
+
+
+def test_build_reads_what_is_below_the_folders(family, tmp_path, monkeypatch, capsys):
+    for index, model in enumerate(family[0][:2]):
+        model.save(tmp_path / "archive" / f"session{index}" / "model")
+    broken = tmp_path / "archive" / "broken" / "model"
+    family[0][0].save(broken)
+    (broken / "weights.safetensors").write_bytes(b"x")
+    PriorEstimator(prior=PRIOR).fit(samples_of(family[1], 20, 5)).save(tmp_path / "archive" / "p")
+    out = tmp_path / "ours.npz"
+    assert run(monkeypatch, "prior", "build", tmp_path / "archive", "-o", out) == 0
+    said = capsys.readouterr()
+    assert "isotropic: 2000 generated, 2 measured" in said.out
+    assert "is broken" in said.err
+    assert "is of estimator prior, not nn" in said.err
+    assert len(MaterialPrior.load(out).families[0].learned) == 2
+
+
+@pytest.mark.parametrize("folder", ["empty", "missing"])
+def test_build_says_where_it_found_nothing(folder, tmp_path, monkeypatch, capsys):
+    (tmp_path / "empty").mkdir()
+    code = run(monkeypatch, "prior", "build", tmp_path / folder, "-o", tmp_path / "p.npz")
+    assert code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (tmp_path / "p.npz").exists()
