@@ -11,6 +11,7 @@ STUDIES = {
     "encodings": "Six ways to turn two directions into inputs.",
     "topology": "Networks from 83 to 5187 weights: error against training time.",
     "analytic": "Sixteen models of the literature beside the networks.",
+    "shots": "Error against the number of shots, beside published methods.",
     "targets": "What the paper leaves unsaid: steps, scale of the targets, white.",
     "stability": "Stiff and extreme trainings: what happens, measured.",
 }

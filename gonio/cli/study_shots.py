@@ -1,0 +1,100 @@
+"""`gonio study shots`: error against the number of shots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+TITLE = "Shots"
+ABOUT = (
+    "Pairs are chosen by i-optimal before anything of the material is known: freely below 1134, of "
+    "which smaller numbers are the first, then 81 views by 14 lights, then all. Values are "
+    "the material's, without noise. nn and prior are gonio's; analytic is the best of sixteen "
+    "models; paper is the recipe of Mikes and Haindl (2023) at 103,000 steps; pca-ridge is Nielsen "
+    "et al. (2015) on a basis of generated materials; nbrdf is Sztrajman et al. (2021)."
+)
+
+
+@click.command(name="shots")
+@click.argument("materials", nargs=-1, required=True)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), default=Path("study"), show_default=True,
+    help="Folder of results; what it holds counts.",
+)  # fmt: skip
+@click.option("--shots", help="Numbers, with commas between.  [default: 8 to 6561]")
+@click.option("--methods", help="Names, with commas between.  [default: all six]")
+def command(
+    *, materials: tuple[str, ...], output: Path, shots: str | None, methods: str | None
+) -> None:
+    """Compare methods of reconstruction on MATERIALS from few shots to all.
+
+    \b
+    Examples:
+        gonio study shots wood-veneer --shots 16,64,196
+        gonio study shots felt.npz silk.npz --methods nn,prior,paper
+    """  # noqa: D301
+    from gonio.cli._console import console, progress_bar
+    from gonio.cli._study import names_in, read_setting, show_grids
+    from gonio.report.shots import shots_section
+    from gonio.report.study import write_study
+    from nnbrdf.studies import shots as study
+
+    names = names_in(methods, study.METHODS, "method")
+    counts = _counts(shots, study.COUNTS)
+    setting = read_setting(materials, output, "va-ia", seeds=1, epochs=1, steps=None)
+    truths = list(setting.truths.values())
+    table = output / "shots.csv"
+    with progress_bar("reconstructing") as progress:
+        results = study.run_shots(truths, _designs(counts), study.methods(names), table, progress)
+    sections = [
+        shots_section(truth.name, [s for s in results if s.sha256 == truth.digest])
+        for truth in truths
+    ]
+    if len(truths) > 1:
+        sections.insert(0, shots_section(f"Mean of {len(truths)} materials", results))
+    page = output / "shots.html"
+    write_study(page, TITLE, ABOUT, sections)
+    for section in sections:
+        show_grids(section.title, section.grids)
+    console.print(f"table: {table}")
+    console.print(f"page:  {page}")
+
+
+def _counts(text: str | None, default: tuple[int, ...]) -> tuple[int, ...]:
+    from gonio.errors import BadInputError
+
+    try:
+        counts = default if text is None else tuple(sorted({int(each) for each in text.split(",")}))
+    except ValueError:
+        counts = ()
+    if not counts or not all(8 <= count <= 6561 for count in counts):
+        raise BadInputError(f"shots {text!r} are none; write numbers from 8 to 6561 like 16,64,196")
+    return counts
+
+
+def _designs(counts: tuple[int, ...]) -> dict[int, NDArray[np.int64]]:
+    """Return the rows of the flattened 81 x 81 grid of each number of shots."""
+    import numpy as np
+
+    from gonio.directions import paper_directions
+    from nnbrdf.prior import MaterialPrior
+    from planner.criteria import IOptimal
+
+    every = np.ones((81, 81), bool)
+    criterion = IOptimal(paper_directions(), MaterialPrior.generate)
+    designs = {}
+    for count in counts:
+        if count == every.size:
+            measured = every
+        elif count == 1134:
+            measured = criterion.product(every, 81, 14).measured
+        else:
+            measured = criterion.pairs(every, count).measured
+        designs[count] = np.flatnonzero(measured)
+    return designs

@@ -1,0 +1,6 @@
+"""Published reconstructions from few samples, for comparison; each returns values on the grid."""
+
+from nnbrdf.baselines.nbrdf import fit_nbrdf
+from nnbrdf.baselines.pca_ridge import PcaRidge
+
+__all__ = ["PcaRidge", "fit_nbrdf"]
