@@ -11,16 +11,24 @@ from pydantic import Field, field_validator, model_validator
 
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
-from gonio.validation import Document, check, parse_toml, read_text
+from gonio.validation import Document, check, parse_toml, read_text, within
 
 AXES = ("view_theta", "view_phi", "light_theta", "light_phi")
 AxisName = Literal["view_theta", "view_phi", "light_theta", "light_phi"]
 
 _REMEDY = "compare it with docs/topics/rig-file.md"
 
-Positive = Annotated[float, Field(gt=0)]
-NonNegative = Annotated[float, Field(ge=0)]
-Point = tuple[float, float, float]
+# what no rig is: caught here, where the key can be named, and not in the middle of a night
+Distance = Annotated[float, within(0.05, 100)]
+Width = Annotated[float, within(0, 1e4)]
+Offset = Annotated[float, within(-1e4, 1e4)]
+Place = Annotated[float, within(-1e5, 1e5)]
+Angle = Annotated[float, within(-3600, 3600)]
+Timeout = Annotated[float, within(0.1, 3600)]
+Pixels = Annotated[int, within(2, 30000)]
+Point = tuple[Place, Place, Place]
+
+_MOST_COUNTS = 2**32 - 1
 
 
 class KeepOut(Document):
@@ -41,15 +49,15 @@ class Arm(Document):
 
     transport: Literal["tcp", "rtu"]
     host: str | None = None
-    port: int | None = Field(default=None, ge=1, le=65535)
+    port: Annotated[int, within(1, 65535)] | None = None
     device: str | None = None
     profile: str = "cia402-modbus"
-    min_separation_deg: Annotated[float, Field(ge=0, lt=180)] = 0.0
-    arm_width_mm: NonNegative = 0.0
-    lamp_width_mm: NonNegative = 0.0
+    min_separation_deg: Annotated[float, within(0, 179)] = 0.0
+    arm_width_mm: Width = 0.0
+    lamp_width_mm: Width = 0.0
     keep_out: tuple[KeepOut, ...] = ()
-    settle_limit_urad: Positive = 12.0
-    homing_timeout_s: Positive = 120.0
+    settle_limit_urad: Annotated[float, within(0.1, 65534)] = 12.0
+    homing_timeout_s: Timeout = 120.0
 
     @model_validator(mode="after")
     def _has_an_address(self) -> Arm:
@@ -63,25 +71,36 @@ class Arm(Document):
 class Axis(Document):
     """One axis: its drive, its encoder's scale, its travel and its speed."""
 
-    unit: int = Field(ge=1, le=247)
-    counts_per_deg: float
-    zero_counts: int = Field(ge=-(2**31), lt=2**31)
-    min_deg: float
-    max_deg: float
-    max_velocity_deg_s: Positive
-    max_acceleration_deg_s2: Positive
-    in_position_deg: Positive = 0.03
-    following_error_deg: Positive = 2.0
-    approach_deg: float = 0.0
+    unit: Annotated[int, within(1, 247)]
+    counts_per_deg: Annotated[float, within(-1e9, 1e9)]
+    zero_counts: Annotated[int, within(-(2**31), 2**31 - 1)]
+    min_deg: Angle
+    max_deg: Angle
+    max_velocity_deg_s: Annotated[float, within(1e-3, 1e4)]
+    max_acceleration_deg_s2: Annotated[float, within(1e-3, 1e5)]
+    in_position_deg: Annotated[float, within(1e-5, 10)] = 0.03
+    following_error_deg: Annotated[float, within(1e-4, 360)] = 2.0
+    approach_deg: Annotated[float, within(-90, 90)] = 0.0
 
     @model_validator(mode="after")
     def _scale_and_travel(self) -> Axis:
-        if self.counts_per_deg == 0:
-            raise ValueError("counts_per_deg must not be 0")
+        scale = abs(self.counts_per_deg)
+        if scale < 1:
+            raise ValueError(
+                f"counts_per_deg {self.counts_per_deg!r} is out of range, 1 to 1e9 is allowed, "
+                "either way round"
+            )
         if self.min_deg >= self.max_deg:
             raise ValueError("min_deg must be below max_deg")
         if max(abs(self.to_counts(end)) for end in (self.min_deg, self.max_deg)) >= 2**31:
             raise ValueError("the travel does not fit 32-bit counts; check counts_per_deg")
+        for name in ("max_velocity_deg_s", "max_acceleration_deg_s2"):
+            counts = getattr(self, name) * scale
+            if not 1 <= counts <= _MOST_COUNTS:
+                raise ValueError(
+                    f"{name} is {counts:g} in counts, and 1 to {_MOST_COUNTS} is allowed; "
+                    "check counts_per_deg"
+                )
         return self
 
     def to_counts(self, degrees: float) -> int:
@@ -116,9 +135,9 @@ class Axes(Document):
 class Lamp(Document):
     """One lamp and its place in the head, seen as the camera sees: x right, y up."""
 
-    n: int = Field(ge=1, le=11)
-    x_mm: float
-    y_mm: float
+    n: Annotated[int, within(1, 11)]
+    x_mm: Offset
+    y_mm: Offset
 
 
 class Lamps(Document):
@@ -126,9 +145,9 @@ class Lamps(Document):
 
     device: str
     dialect: Literal["lamps-1"] = "lamps-1"
-    distance_m: Positive = 2.0
+    distance_m: Distance = 2.0
     lamp: tuple[Lamp, ...] = Field(min_length=1, max_length=11)
-    watchdog_ms: int = Field(default=30000, ge=0, le=3_600_000)
+    watchdog_ms: Annotated[int, within(0, 3_600_000)] = 30000
 
     @field_validator("lamp")
     @classmethod
@@ -143,14 +162,14 @@ class CameraSpec(Document):
 
     kind: Literal["folder"] = "folder"
     folder: str
-    distance_m: Positive = 2.0
-    width: int = Field(ge=2, le=30000)
-    height: int = Field(ge=2, le=30000)
-    focal_px: Positive
+    distance_m: Distance = 2.0
+    width: Pixels
+    height: Pixels
+    focal_px: Annotated[float, within(100, 1e6)]
     centre_px: tuple[float, float]
-    distortion: tuple[float, ...] = ()
-    file_timeout_s: Positive = 10.0
-    exposures_s: tuple[Annotated[float, Field(ge=1e-6, le=300)], ...] = Field(min_length=1)
+    distortion: tuple[Annotated[float, within(-1e6, 1e6)], ...] = ()
+    file_timeout_s: Timeout = 10.0
+    exposures_s: tuple[Annotated[float, within(1e-6, 300)], ...] = Field(min_length=1)
 
     @field_validator("distortion")
     @classmethod
@@ -166,12 +185,22 @@ class CameraSpec(Document):
             raise ValueError("list the exposures from short to long, each once")
         return exposures
 
+    @model_validator(mode="after")
+    def _sample_in_sight(self) -> CameraSpec:
+        # the camera looks at the sample's centre, so that is where this pixel is
+        for centre, pixels in zip(self.centre_px, (self.width, self.height), strict=True):
+            if not 0 <= centre <= pixels - 1:
+                raise ValueError(
+                    f"centre_px {centre!r} is out of range, 0 to {pixels - 1} is allowed"
+                )
+        return self
+
 
 class Holder(Document):
     """The sample holder and the white reference that takes the sample's place."""
 
     changer: Literal["manual"] = "manual"
-    reference: Annotated[float, Field(gt=0, le=1.2)] | str = 0.99
+    reference: Annotated[float | str, within(1e-3, 1.2)] = 0.99
 
 
 class Rig(Document):

@@ -6,7 +6,7 @@ import json
 import tomllib
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from gonio.errors import BadFileError
 
@@ -23,6 +23,21 @@ class Document(BaseModel):
 D = TypeVar("D", bound=Document)
 
 
+def within(low: float, high: float) -> BeforeValidator:
+    """Make the annotation of a number from `low` to `high`, whose refusal names value and range.
+
+    It comes before pydantic's own checks, so that it names NaN and infinities, too.
+    """
+
+    def check_range(value: Any) -> Any:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if is_number and not low <= value <= high:
+            raise ValueError(f"{value!r} is out of range, {low:g} to {high:g} is allowed")
+        return value
+
+    return BeforeValidator(check_range)
+
+
 def read_text(path: Path, remedy: str) -> str:
     """Read a UTF-8 text file.
 
@@ -32,7 +47,8 @@ def read_text(path: Path, remedy: str) -> str:
         When it is missing, a folder, unreadable or not text.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        # some editors begin a file with a byte order mark
+        return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise BadFileError(path, "no such file", remedy) from None
     except UnicodeDecodeError as error:

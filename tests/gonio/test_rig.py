@@ -12,24 +12,27 @@ WRONG = [
     ("missing axis", "[axis.light_phi]", "[axis.spare]", "axis.light_phi", "is missing"),
     ("unknown key", "[lamps]", "[lamps]\ncolour = 1", "lamps.colour", "is not a known key"),
     ("word for number", "port = 502", 'port = "x"', "arm.port", "valid integer"),
-    ("port too high", "port = 502", "port = 70000", "arm.port", "less than or equal to 65535"),
+    ("port too high", "port = 502", "port = 70000", "arm.port", "out of range, 1 to 65535"),
     ("no host", 'host = "127.0.0.1"', "", "arm", "tcp needs host and port"),
     ("no device", '"tcp"', '"rtu"', "arm", "rtu needs device"),
     ("unknown transport", '"tcp"', '"can"', "arm.transport", "'tcp' or 'rtu'"),
-    ("no scale", "= 2000.0", "= 0.0", "axis.view_theta", "counts_per_deg must not be 0"),
-    ("scale not a number", "= 2000.0", "= nan", "axis.view_theta.counts_per_deg", "finite"),
+    ("no scale", "= 2000.0", "= 0.0", "axis.view_theta", "1 to 1e9 is allowed"),
+    ("scale not a number", "= 2000.0", "= nan", "axis.view_theta.counts_per_deg", "nan is out"),
     ("travel reversed", "max_deg = 91.0", "max_deg = -2.0", "axis.view_theta", "below max_deg"),
     ("counts overflow", "= 2000.0", "= 1e9", "axis.view_theta", "does not fit 32-bit counts"),
     ("no speed", "max_velocity_deg_s = 20.0", "max_velocity_deg_s = 0.0",
-     "axis.view_theta.max_velocity_deg_s", "greater than 0"),
+     "axis.view_theta.max_velocity_deg_s", "0.0 is out of range"),
+    ("speed of light", "max_velocity_deg_s = 20.0", "max_velocity_deg_s = 1e300",
+     "axis.view_theta.max_velocity_deg_s", "out of range"),
+    ("infinite travel", "max_deg = 91.0", "max_deg = inf", "axis.view_theta.max_deg", "out of"),
     ("unit twice", "unit = 2", "unit = 1", "axis", "a unit of its own"),
     ("lamp twice", "n = 2,", "n = 1,", "lamps.lamp", "two lamps have the same n"),
-    ("lamp twelve", "n = 11,", "n = 12,", "lamps.lamp.10.n", "less than or equal to 11"),
+    ("lamp twelve", "n = 11,", "n = 12,", "lamps.lamp.10.n", "12 is out of range, 1 to 11"),
     ("three coefficients", "distortion = []", "distortion = [1.0, 2.0, 3.0]",
      "camera.distortion", "[k1, k2, p1, p2, k3]"),
     ("exposures fall", "[0.002, 0.02,", "[0.02, 0.002,", "camera.exposures_s", "short to long"),
     ("no exposures", "[0.002, 0.02, 0.2, 2.0]", "[]", "camera.exposures_s", "at least 1"),
-    ("exposure too long", "0.2, 2.0]", "0.2, 2e6]", "camera.exposures_s.3", "equal to 300"),
+    ("exposure too long", "0.2, 2.0]", "0.2, 2e6]", "camera.exposures_s.3", "1e-06 to 300"),
     ("box turned", "keep_out = []", "keep_out = [{min_mm = [0, 0, 1], max_mm = [1, 1, 1]}]",
      "arm.keep_out.0", "below the same of max_mm"),
     ("reference too white", "reference = 0.99", "reference = 2.0", "holder.reference", "1.2"),
@@ -118,3 +121,8 @@ def test_within_travel(degrees):
 def test_beyond_travel(degrees):
     with pytest.raises(BadInputError, match=r"view_theta .* travel of -1 to 91 deg"):
         default_rig().check_reach("view_theta", degrees)
+
+
+def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path):
+    (tmp_path / "rig.toml").write_bytes(b"\xef\xbb\xbf" + default_rig_text().encode())
+    assert load_rig(tmp_path / "rig.toml") == default_rig()

@@ -34,7 +34,7 @@ CASES = [
     ("rig lacks a key", rig("unit = 1\n", ""), USE_RIG, 2, "axis.view_theta.unit: is missing"),
     ("rig has an odd key", rig("[holder]", "[holder]\nsize = 3"), USE_RIG, 2, "holder.size"),
     ("rig has a word for a number", rig("2000.0", '"many"'), USE_RIG, 2, "counts_per_deg"),
-    ("rig scale is zero", rig("2000.0", "0.0"), USE_RIG, 2, "counts_per_deg must not be 0"),
+    ("rig scale is zero", rig("2000.0", "0.0"), USE_RIG, 2, "counts_per_deg 0.0 is out of range"),
     ("rig cannot reach", rig("max_deg = 91.0", "max_deg = 1.0"), USE_RIG, 2, "view_theta"),
     ("no plan", {}, USE_PLAN, 2, "plan.json: no such file"),
     ("plan is no JSON", {"plan.json": "{"}, USE_PLAN, 2, "is not JSON"),
