@@ -21,9 +21,9 @@ class Findings(Document):
         Whether the material depends on the azimuths by their difference only, and the logarithm
         of the odds for it.
     reciprocal, reciprocal_log_odds
-        The same of whether light and view may be exchanged.
+        The same of whether light and view may be exchanged. Odds are None where it was not asked.
     single_spectrum
-        Whether all channels are multiples of one.
+        Whether all channels are multiples of one; None where it was not asked.
     smooth, stretch, exchange, noise
         The settings of the prior that the samples speak for (see `nnbrdf.prior.family.Settings`).
     inflation
@@ -37,10 +37,10 @@ class Findings(Document):
     """
 
     isotropic: bool
-    isotropic_log_odds: float
+    isotropic_log_odds: float | None
     reciprocal: bool
-    reciprocal_log_odds: float
-    single_spectrum: bool
+    reciprocal_log_odds: float | None
+    single_spectrum: bool | None
     smooth: float = Field(ge=0)
     stretch: float = Field(gt=0)
     exchange: float = Field(ge=0)
@@ -53,19 +53,13 @@ class Findings(Document):
 
     def sentences(self) -> list[str]:
         """Say it as a person reads it."""
-        odds = f"log odds {abs(self.isotropic_log_odds):.0f}"
-        result = [
-            f"isotropic: only the difference of the azimuths counts ({odds})"
-            if self.isotropic
-            else f"anisotropic ({odds} against isotropic)",
-            "reciprocal: light and view are exchangeable, by construction"
-            if self.reciprocal
-            else "the samples are explained better without reciprocity (log odds "
-            f"{-self.reciprocal_log_odds:.0f}), so the model does not assume it",
-            "one spectrum: all channels are multiples of one"
-            if self.single_spectrum
-            else "channels differ by more than a factor",
-        ]
+        result = [self._azimuths(), self._exchange()]
+        if self.single_spectrum is not None:
+            result.append(
+                "one spectrum: all channels are multiples of one"
+                if self.single_spectrum
+                else "channels differ by more than a factor"
+            )
         if self.outliers:
             rows = ", ".join(map(str, self.outliers))
             result.append(f"not explained by the others, so of little weight: samples {rows}")
@@ -76,15 +70,35 @@ class Findings(Document):
             result.append(f"the covariance needed {self.jitter:.2g} on its diagonal")
         return result
 
+    def _azimuths(self) -> str:
+        if self.isotropic_log_odds is None:
+            return "isotropy was not examined"
+        odds = f"log odds {abs(self.isotropic_log_odds):.0f}"
+        if self.isotropic:
+            return f"isotropic: only the difference of the azimuths counts ({odds})"
+        return f"anisotropic ({odds} against isotropic)"
 
-def findings_of(inference: Inference, *, single_spectrum: bool) -> Findings:
-    """Return what an inference found."""
+    def _exchange(self) -> str:
+        if self.reciprocal_log_odds is None:
+            return "reciprocity was not examined, and is not assumed"
+        if self.reciprocal:
+            return "reciprocal as far as the samples say: light and view may be exchanged"
+        return (
+            "the samples are explained better without reciprocity (log odds "
+            f"{-self.reciprocal_log_odds:.0f}), so the model does not assume it"
+        )
+
+
+def findings_of(
+    inference: Inference, *, single_spectrum: bool | None, examined: bool = True
+) -> Findings:
+    """Return what an inference found; `examined` says whether symmetries were asked for at all."""
     posterior = inference.posterior
     return Findings(
-        isotropic=posterior.isotropic,
-        isotropic_log_odds=posterior.odds.isotropic,
-        reciprocal=posterior.reciprocal,
-        reciprocal_log_odds=posterior.odds.reciprocal,
+        isotropic=examined and posterior.isotropic,
+        isotropic_log_odds=posterior.odds.isotropic if examined else None,
+        reciprocal=examined and posterior.reciprocal,
+        reciprocal_log_odds=posterior.odds.reciprocal if examined else None,
         single_spectrum=single_spectrum,
         **posterior.best.settings._asdict(),
         inflation=inference.inflation,

@@ -220,7 +220,7 @@ class PriorEstimator:
             color_space=samples.color_space,
             weights=samples.value.size,
             samples=len(samples),
-            findings=findings_of(inference, single_spectrum=False),
+            findings=findings_of(inference, single_spectrum=None),
             provenance=samples.provenance,
         )
         return PosteriorBRDF(card, inference, prior, samples.light, samples.view)
@@ -239,7 +239,7 @@ def _posterior(card: PosteriorCard, sites: Sites, log: Array, noise: Array) -> P
         for each in card.components
     ]
     shares = np.array([each.share for each in card.components])
-    odds = Odds(card.findings.isotropic_log_odds, card.findings.reciprocal_log_odds)
+    odds = Odds(card.findings.isotropic_log_odds or 0.0, card.findings.reciprocal_log_odds or 0.0)
     return sites.under(chosen, shares, odds, log, noise)
 
 

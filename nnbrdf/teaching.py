@@ -128,6 +128,7 @@ class TaughtEstimator:
         log = np.log(deviation.clip(_LEAST_SPREAD))
         spread, _ = self._train(inputs, log, SPREAD_HIDDEN, 1, None)
         tint = np.ones(len(samples.channels)) if factor is None else factor
+        asked = not self.general and len(samples.channels) > 1
         card = TaughtCard(
             estimator=self.name,
             encoding=encoding,
@@ -147,7 +148,11 @@ class TaughtEstimator:
             steps=self.steps,
             seed=self.seed,
             trainer=self.trainer or default_trainer(),
-            findings=findings_of(inference, single_spectrum=factor is not None),
+            findings=findings_of(
+                inference,
+                single_spectrum=factor is not None if asked else None,
+                examined=not self.general,
+            ),
             provenance=samples.provenance,
         )
         return TaughtBRDF(card, value, spread)
@@ -160,6 +165,8 @@ class TaughtEstimator:
             hidden = _hidden(_SMALL, inputs, targets)
             small, error = self._train(inputs, targets, hidden, _MEMBERS, None)
             if error <= _GOOD_ENOUGH * unknown:
+                if progress is not None:
+                    progress(self.steps, self.steps)
                 return small, error
         hidden = _hidden(self.size or _DEFAULT, inputs, targets)
         return self._train(inputs, targets, hidden, _MEMBERS, progress)

@@ -23,8 +23,8 @@ def check_samples(samples: Samples, estimator: str) -> None:
     samples.check()
     if len(samples) < MIN_SAMPLES:
         raise BadInputError(
-            f"there are {len(samples)} samples; a network needs at least {MIN_SAMPLES}, "
-            "so measure more directions"
+            f"there are {len(samples)} samples; estimator {estimator} takes at least "
+            f"{MIN_SAMPLES}, so measure more directions"
         )
     if len(samples.channels) not in (1, 3):
         raise BadInputError(

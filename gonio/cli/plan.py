@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -94,8 +95,15 @@ def command(
     from planner.density import split_density
     from planner.make import make_plan
 
-    if shots is not None and (views or lights):
-        raise BadInputError("--shots chooses pairs freely; leave out --views and --lights")
+    context = click.get_current_context()
+    given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
+    if shots is not None and (views or lights or given):
+        raise BadInputError(
+            "--shots chooses pairs freely; leave out --density, --views and --lights"
+        )
+    if prior_path and criterion == "farthest":
+        raise BadInputError("criterion farthest knows no prior; leave out --prior")
+    prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
@@ -105,7 +113,7 @@ def command(
         lights=lights or both_lights,
         criterion=criterion,
         shots=shots,
-        prior=lambda: material_prior(prior_path),
+        prior=lambda: prior or material_prior(None),
     )
     plan.save(output)
     _print_table(plan)

@@ -76,9 +76,10 @@ def infer(families: Sequence[Family], samples: Samples) -> Inference:
     """
     sites = Sites(families, Pairs.of(samples.light, samples.view))
     scale = samples.white
-    clipped = (samples.flag & Flag.CLIPPED).astype(bool).any(axis=1)
+    clipped = np.asarray((samples.flag & Flag.CLIPPED).astype(bool).any(axis=1))
     doubt = np.zeros(len(samples))
-    bounds = doubt > 0
+    # clipped neighbors would vouch for each other: each is let in only where the others stay below
+    bounds = clipped.copy()
     for remaining in reversed(range(_ROUNDS)):
         log = np.log(samples.value.clip(0.0) / scale + OFFSET)
         noise = np.where(bounds, _IGNORED, _noise(samples, scale) + doubt)
@@ -86,7 +87,7 @@ def infer(families: Sequence[Family], samples: Samples) -> Inference:
         if remaining:
             residual, variance = posterior.best.leave_one_out(log)
             squared = (residual**2).mean(axis=1)
-            bounds = clipped & (residual.mean(axis=1) < 0)
+            bounds = np.asarray(clipped & (residual.mean(axis=1) < 0))
             far = squared > _FAR**2 * (variance - doubt).clip(_LEAST)
             doubt = np.where(far & ~clipped, squared, 0.0)
             scale = _scale(posterior, scale)

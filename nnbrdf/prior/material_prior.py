@@ -124,9 +124,17 @@ class MaterialPrior:
 
 def _examples(arrays: dict[str, Array], name: str) -> GeneratedMaterials:
     columns = [arrays[f"{name}.{field.name}"].astype(float) for field in fields(GeneratedMaterials)]
-    if len({len(each) for each in columns}) != 1 or not all(np.isfinite(c).all() for c in columns):
-        raise ValueError(f"the {name} examples do not fit together")
-    return GeneratedMaterials(*columns)
+    examples = GeneratedMaterials(*columns)
+    drawn = GeneratedMaterials.draw(1, 0, isotropic=True)
+    for field, column in zip(fields(GeneratedMaterials), columns, strict=True):
+        shape = (len(examples), *getattr(drawn, field.name).shape[1:])
+        if column.shape != shape or not len(examples) or not np.isfinite(column).all():
+            raise ValueError(f"{name}.{field.name} is not finite and of shape {shape}")
+    with np.errstate(all="ignore"):
+        white = Family(name, examples).white
+    if not (np.isfinite(white) & (white > 0)).all():
+        raise ValueError(f"{np.sum(~(white > 0))} {name} examples are no materials")
+    return examples
 
 
 def _arrays_of(prefix: str, material: LearnedMaterial) -> dict[str, Any]:

@@ -254,7 +254,9 @@ def _log_odds(evidence: Array, true: NDArray[np.bool_]) -> float:
     """Return the logarithm of the odds that the settings where `true` are meant."""
 
     def total(rows: NDArray[np.bool_]) -> float:
-        return float(np.logaddexp.reduce(evidence[rows], initial=-_CERTAIN))
+        # the mean, not the sum: there are more settings of one kind than of the other
+        some = np.logaddexp.reduce(evidence[rows]) - np.log(rows.sum()) if rows.any() else -np.inf
+        return float(np.maximum(some, -_CERTAIN))
 
     return total(true) - total(~true)
 
@@ -264,7 +266,17 @@ def _log_probability(lower: Array, residual: Array) -> float:
 
     white = solve_triangular(lower, residual, lower=True, check_finite=False)
     spread = np.log(np.diag(lower)).sum() + 0.5 * len(lower) * np.log(2 * np.pi)
-    return float(-0.5 * (white**2).sum() - residual.shape[1] * spread)
+    return float(_channels(residual) * (-0.5 * (white**2).mean(axis=1).sum() - spread))
+
+
+def _channels(residual: Array) -> float:
+    """Return how many channels there are in effect: 1 if all are alike, their number if none is.
+
+    The participation ratio of the eigenvalues of their second moments.
+    """
+    moments = residual.T @ residual
+    square = float((moments**2).sum())
+    return float(np.trace(moments)) ** 2 / square if square > 0 else 1.0
 
 
 def _cholesky(covariance: Array, noise: Array) -> tuple[Array, float]:

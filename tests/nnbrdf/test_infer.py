@@ -254,3 +254,53 @@ def test_leaving_one_out_is_what_it_says():
     mean, deviation = without.predict(Pairs.of(light[7:8], view[7:8]))
     assert log[7] - mean[0] == pytest.approx(residual[7], rel=1e-6)
     assert deviation[0, 0] ** 2 + 1e-3 == pytest.approx(variance[7], rel=1e-6)
+
+
+def test_channels_that_are_alike_are_no_more_evidence():
+    rng = np.random.default_rng(0)
+    values = material(8, True)
+    light, view = directions(rng, 50), directions(rng, 50)
+    value = values(light, view)
+    one = Samples.from_values(light, view, value, channels=("y",))
+    three = Samples.from_values(light, view, np.repeat(value, 3, axis=1))
+    odds = [infer(PRIOR.families, each).posterior.odds for each in (one, three)]
+    assert odds[0] == pytest.approx(odds[1], rel=1e-6)
+
+
+def test_clipped_neighbors_do_not_vouch_for_each_other():
+    """Clipped samples do no more harm than if they had not been taken."""
+    worse = 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        drawn = GeneratedMaterials.draw(400, 20 + seed, isotropic=True)
+        one = drawn.select(np.flatnonzero((drawn.lobe[:, 0] > 0.3) & (drawn.body > 0.05))[:1])
+        light, view = directions(rng, 100), directions(rng, 100)
+        view[:10] = light[:10] * [-1.0, -1.0, 1.0]
+        value = np.repeat(one.evaluate(Pairs.of(light, view)), 3, axis=1)
+        most = np.quantile(value, 0.85)
+        flag = np.where(value > most, np.uint32(Flag.CLIPPED), np.uint32(0))
+        clipped = replace(Samples.from_values(light, view, value.clip(max=most)), flag=flag)
+        keep = flag[:, 0] == 0
+        without = Samples.from_values(light[keep], view[keep], value[keep])
+        bright = ~keep
+        errors = [
+            log_error(
+                infer(PRIOR.families, each).predict(light[bright], view[bright]).median,
+                value[bright],
+            )
+            for each in (clipped, without)
+        ]
+        worse += errors[0] > 1.1 * errors[1]
+    assert worse <= 1
+
+
+def test_the_quantiles_are_those_of_a_normal_logarithm(isotropic):
+    from scipy.stats import norm
+
+    _, samples, inference = isotropic
+    told = inference.predict(samples.light, samples.view)
+    for quantile, share in zip(told.quantiles, (0.05, 0.95), strict=True):
+        log = norm.ppf(share, told.mean, told.deviation)
+        assert quantile == pytest.approx(told.scale * (np.exp(log) - OFFSET).clip(0.0))
+    half = [told.scale * np.exp(told.mean + k * told.deviation) for k in (-1, 1)]
+    assert told.sigma == pytest.approx((half[1] - half[0]) / 2)

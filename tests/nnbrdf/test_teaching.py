@@ -13,6 +13,7 @@ from nnbrdf.load import load_model
 from nnbrdf.posterior_model import PriorEstimator
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.generated import GeneratedMaterials
+from nnbrdf.spectrum import as_one_channel, single_spectrum
 from nnbrdf.taught import TaughtBRDF
 from nnbrdf.teaching import SIZES, TaughtEstimator
 
@@ -257,3 +258,33 @@ def test_nothing_is_left_out_when_told_so():
     assert model.card.layers[-1] == 3
     assert not model.card.left_small
     assert model.card.weights > 1200
+
+
+def test_what_was_not_asked_is_not_claimed():
+    model = estimator(general=True, steps=300).fit(samples_of(count=30))
+    said = " ".join(model.card.sentences())
+    assert "isotropy was not examined" in said
+    assert "reciprocity was not examined" in said
+    assert "spectrum" not in said
+    assert "channels" not in said
+
+
+def test_a_dark_channel_does_not_spoil_the_bright_one():
+    rng = np.random.default_rng(0)
+    samples = samples_of(tints=(1.0, 0.4, 0.004), count=80)
+    noise = np.array([1e-4, 1e-4, 2e-3]) * samples.white
+    value = samples.value + noise * rng.standard_normal(samples.value.shape)
+    noisy = Samples.from_values(samples.light, samples.view, value, sigma=value * 0 + noise)
+    factor = single_spectrum(noisy)
+    assert factor is not None
+    merged = as_one_channel(noisy, factor)
+    off = merged.value[:, 0] * factor[0] / samples.value[:, 0] - 1
+    assert np.median(np.abs(off)) < 0.01
+    expected = merged.sigma[:, 0] * factor[0] / samples.value[:, 0]
+    assert 0.3 < np.median(np.abs(off)) / np.median(expected) < 3
+
+
+def test_a_matte_material_s_progress_ends_as_well():
+    seen = []
+    estimator(steps=20_000).fit(matte(), lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (20_000, 20_000)
