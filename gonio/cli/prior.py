@@ -11,4 +11,10 @@ ACTIONS = {"build": "Make a prior from generated materials and your own finished
 
 @click.command(name="prior", cls=LazyGroup, commands_of="gonio.cli.prior_", helps=ACTIONS)
 def command() -> None:
-    """Make and extend the prior that gonio plan and gonio reconstruct work with."""
+    """Make and extend the prior that gonio plan and gonio reconstruct work with.
+
+    \b
+    Examples:
+        gonio prior build archive/ -o ours.npz
+        gonio plan --prior ours.npz
+    """  # noqa: D301

@@ -159,8 +159,8 @@ def test_refuses_settings_that_train_nothing(settings):
 def test_estimators_by_name():
     assert estimator_named("paper")(seed=2) == PaperEstimator(seed=2)
     assert [make().name for make in ESTIMATORS.values()] == list(ESTIMATORS)
-    with pytest.raises(BadInputError, match="'prior' is not known; use paper"):
-        estimator_named("prior")
+    with pytest.raises(BadInputError, match="'best' is not known; use nn, prior"):
+        estimator_named("best")
 
 
 def test_with_neither_kernel_nor_torch_it_says_what_to_install():
