@@ -18,7 +18,7 @@ from nnbrdf.stability.floor import loss_floor
 from nnbrdf.stability.precision import drift
 from nnbrdf.stability.starts import dead_share, look_at_start
 
-REFUSED = {"all zero": "median is 0", "one sample": "needs at least 8"}
+REFUSED = {"all zero": "median is 0", "one sample": "takes at least 8"}
 
 
 def some_data(count=100):
