@@ -12,20 +12,25 @@ struct Left {
     int row_stride, k_stride;
 };
 
+// GCC leaves short loops rolled, and an array that a rolled loop indexes goes to memory.
+#define GONIO_UNROLL _Pragma("GCC unroll 8")
+
 // c (rows x columns) = left (rows x depth) b (depth x columns); the tile stays in registers.
 template <class T, int kRows, int kColumns>
 inline void tile(Left<T> left, const T* b, T* c, int depth, int pitch) {
     Vector<T> sums[kRows][kColumns] = {};
     for (int k = 0; k < depth; ++k) {
         Vector<T> row_of_b[kColumns];
-        for (int j = 0; j < kColumns; ++j) row_of_b[j] = at(b + k * pitch + j * kWidth<T>);
-        for (int i = 0; i < kRows; ++i) {
+        GONIO_UNROLL for (int j = 0; j < kColumns; ++j)
+            row_of_b[j] = at(b + k * pitch + j * kWidth<T>);
+        GONIO_UNROLL for (int i = 0; i < kRows; ++i) {
             const T a = left.data[i * left.row_stride + k * left.k_stride];
-            for (int j = 0; j < kColumns; ++j) sums[i][j] += a * row_of_b[j];
+            GONIO_UNROLL for (int j = 0; j < kColumns; ++j) sums[i][j] += a * row_of_b[j];
         }
     }
-    for (int i = 0; i < kRows; ++i)
-        for (int j = 0; j < kColumns; ++j) at(c + i * pitch + j * kWidth<T>) = sums[i][j];
+    GONIO_UNROLL for (int i = 0; i < kRows; ++i)
+        GONIO_UNROLL for (int j = 0; j < kColumns; ++j)
+            at(c + i * pitch + j * kWidth<T>) = sums[i][j];
 }
 
 #if defined(__AVX512F__)
