@@ -20,7 +20,8 @@ SCHEMA = "gonio.samples/1"
 RGB = ("r", "g", "b")
 _REMEDY = "make it again with: gonio reduce"
 WHITE_PER_MEDIAN = 4.0
-_LARGEST = 1e12
+LARGEST = 1e12
+"""Of values and sigmas, in 1/sr: far beyond any mirror, and its square overflows no model."""
 
 
 class Flag(IntFlag):
@@ -157,11 +158,11 @@ class Samples:
         for name in ("light", "view"):
             _check_directions(name, getattr(self, name))
         _refuse_rows("value is not finite", ~np.isfinite(self.value).all(axis=1))
-        # far beyond any mirror; the square of what a model of such numbers says overflows
         _refuse_rows(
-            f"value is beyond {_LARGEST:g} 1/sr", (np.abs(self.value) > _LARGEST).any(axis=1)
+            f"value is beyond {LARGEST:g} 1/sr", (np.abs(self.value) > LARGEST).any(axis=1)
         )
         _refuse_rows("sigma is negative or infinite", _bad_sigma(self.sigma).any(axis=1))
+        _refuse_rows(f"sigma is beyond {LARGEST:g} 1/sr", (self.sigma > LARGEST).any(axis=1))
         if self.patch_mm is not None and not 0 < self.patch_mm < np.inf:
             raise BadInputError(f"samples: patch_mm is {self.patch_mm:g}, no positive number")
 

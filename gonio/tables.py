@@ -13,7 +13,7 @@ import numpy as np
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
 from gonio.files import sha256_file
-from gonio.samples import RGB, Flag, Samples
+from gonio.samples import LARGEST, RGB, Flag, Samples
 from gonio.validation import read_text
 
 if TYPE_CHECKING:
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 _ANGLES = ("light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg")
 _COLOR_SPACE = {RGB: "linear sRGB", ("y",): "luminance"}
 _REMEDY = "compare it with docs/topics/samples-table.md"
+_TURN_DEG = 360.0
+_COMMAS = "separate them by commas and write decimals with a point, as in 0.5"
+_DECIMAL_COMMA = " (decimal commas? write 0.5, not 0,5)"
+# one value of noise in 3.5 million is lower
+_NOISE = 5.0
 
 
 def read_table(path: Path | str) -> Samples:
@@ -31,7 +36,8 @@ def read_table(path: Path | str) -> Samples:
 
     Columns, in any order: `light_theta_deg`, `light_phi_deg`, `view_theta_deg`, `view_phi_deg`,
     then `r`, `g`, `b` or one `y` in 1/sr, and where known `sigma_r`, `sigma_g`, `sigma_b` or
-    `sigma_y`, where an empty cell is an unknown sigma. Other columns are ignored.
+    `sigma_y`, where an empty cell is an unknown sigma. Other columns are ignored. A value may be
+    below zero as far as noise can be: by 5 sigma, where that is unknown by the median value.
 
     Raises
     ------
@@ -45,12 +51,15 @@ def read_table(path: Path | str) -> Samples:
         raise BadFileError(path, "is empty", _REMEDY)
     table = _Table.of(header, list(rows))
     channels = table.channels()
-    angle = [table.column(name, _theta if "theta" in name else _number) for name in _ANGLES]
+    angle = [table.column(name, _theta if "theta" in name else _phi) for name in _ANGLES]
+    value = np.stack([table.column(name, _value) for name in channels], axis=1)
+    sigma = table.sigma(channels)
+    table.refuse_below_noise(channels, value, sigma)
     samples = Samples.from_values(
         light=from_degrees(*angle[:2]),
         view=from_degrees(*angle[2:]),
-        value=np.stack([table.column(name, _number) for name in channels], axis=1),
-        sigma=table.sigma(channels),
+        value=value,
+        sigma=sigma,
         channels=channels,
         color_space=_COLOR_SPACE[channels],
     )
@@ -69,6 +78,11 @@ class _Row:
     def error(self, problem: str) -> BadFileError:
         return BadFileError(self.path, f"line {self.line}{problem}", _REMEDY)
 
+    def hint(self, cells: int) -> str:
+        """Return what explains more cells than there should be, where they are all whole."""
+        whole = all(cell.lstrip("+-").isdigit() for cell in self.cells)
+        return _DECIMAL_COMMA if whole and len(self.cells) > cells else ""
+
 
 @dataclass(frozen=True)
 class _Table:
@@ -78,13 +92,16 @@ class _Table:
     @classmethod
     def of(cls, header: _Row, rows: list[_Row]) -> _Table:
         """Check that the lines fit the header."""
+        for separator, called in {";": "semicolons", "\t": "tabs"}.items():
+            if any(separator in name for name in header.cells):
+                raise header.error(f": the cells seem to be separated by {called}; {_COMMAS}")
         for name in header.cells:
             if name and header.cells.count(name) > 1:
                 raise header.error(f": column {name} is there twice")
         for row in rows:
             if len(row.cells) != len(header.cells):
                 count = f"has {len(row.cells)} cells where the header has {len(header.cells)}"
-                raise row.error(f": {count}")
+                raise row.error(f": {count}{row.hint(len(header.cells))}")
         if not rows:
             raise header.error(": no samples follow the header")
         return cls(header, rows)
@@ -106,6 +123,27 @@ class _Table:
         if not set(names) & set(self.header.cells):
             return None
         return np.stack([self.column(name, _sigma) for name in names], axis=1)
+
+    def refuse_below_noise(
+        self,
+        channels: tuple[str, ...],
+        value: NDArray[np.float64],
+        sigma: NDArray[np.float64] | None,
+    ) -> None:
+        """Refuse a value further below zero than noise can be that a dark frame leaves behind."""
+        noise = np.full(value.shape, np.nan) if sigma is None else _NOISE * sigma
+        unknown = np.isnan(noise)
+        noise[unknown] = np.median(np.abs(value))
+        for row, channel in np.argwhere(value < -noise)[:1].tolist():
+            least = (
+                "the table's median, which is no noise; state its sigma if it is"
+                if unknown[row, channel]
+                else f"{_NOISE:g} sigma, which is no noise; correct or remove it"
+            )
+            raise self.rows[row].error(
+                f", column {channels[channel]}: {value[row, channel]:g} is below zero by more "
+                f"than {least}"
+            )
 
     def column(self, name: str, parse: Callable[[str], float]) -> NDArray[np.float64]:
         """Parse a column, shape (rows,)."""
@@ -135,11 +173,20 @@ def _rows(path: Path) -> Iterator[_Row]:
         yield _Row(path, line, [cell.strip() for cell in cells])
 
 
+def _is_decimal_comma(text: str) -> bool:
+    """Tell whether a cell, in quotes or it would be two, is a number as in 0,112."""
+    try:
+        return text.count(",") == 1 and math.isfinite(float(text.replace(",", ".")))
+    except ValueError:
+        return False
+
+
 def _number(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ValueError(f"{text!r} is not a number" if text else "is empty") from None
+        hint = _DECIMAL_COMMA if _is_decimal_comma(text) else ""
+        raise ValueError(f"{text!r} is not a number{hint}" if text else "is empty") from None
     if not math.isfinite(value):
         raise ValueError(f"{text} is not a finite number")
     return value
@@ -156,8 +203,26 @@ def _theta(text: str) -> float:
     return value
 
 
+def _phi(text: str) -> float:
+    value = _number(text)
+    if abs(value) > _TURN_DEG:
+        raise ValueError(f"{text} deg is more than a turn; give -360 to 360 deg")
+    return value
+
+
+def _value(text: str) -> float:
+    value = _number(text)
+    if abs(value) > LARGEST:
+        raise ValueError(f"{text} is beyond {LARGEST:g} 1/sr, which nothing reflects")
+    return value
+
+
 def _sigma(text: str) -> float:
-    value = _number(text) if text else math.nan
-    if value < 0:
-        raise ValueError(f"{text} is negative")
+    if not text:
+        return math.nan
+    value = _number(text)
+    if value <= 0:
+        raise ValueError(f"{text} is not positive; leave the cell empty where it is unknown")
+    if value > LARGEST:
+        raise ValueError(f"{text} is beyond {LARGEST:g} 1/sr; leave the cell empty for unknown")
     return value

@@ -177,6 +177,7 @@ INCONSISTENT = [
     ("value NaN", {"value": np.where(np.eye(3), np.nan, 1.0)}, "value is not finite (and 2 more)"),
     ("sigma negative", {"sigma": -THREE.sigma}, "sigma is negative or infinite"),
     ("sigma infinite", {"sigma": THREE.sigma * np.inf}, "sigma is negative or infinite"),
+    ("sigma of no use", {"sigma": THREE.sigma * 1e30}, "row 0: sigma is beyond 1e+12"),
     ("patch of nothing", {"patch_mm": 0.0}, "patch_mm is 0, no positive number"),
     ("rows differ", {"attempt": np.ones(2, np.int64)}, "attempt has shape (2,), not (3,)"),
     ("channels differ", {"channels": ("y",)}, "value has shape (3, 3), not (3, 1)"),

@@ -21,7 +21,7 @@ def write(folder, text, encoding="utf-8"):
 
 
 def test_reads_directions_values_and_where_they_came_from(tmp_path):
-    path = write(tmp_path, f"{RGB}\n0,0,45,90,0.1,0.2,0.3\n30,370,90,-90,1,2,3\n")
+    path = write(tmp_path, f"{RGB}\n0,0,45,90,0.1,0.2,0.3\n30,-350,90,-90,1,2,3\n")
     samples = read_table(path)
     assert np.allclose(samples.light, from_degrees([0, 30], [0, 10]))
     assert np.allclose(samples.view, from_degrees([45, 90], [90, 270]))
@@ -99,12 +99,43 @@ BAD = {
     "negative theta": (f"{RGB}\n-5,2,3,4,5,6,7\n", "line 2, column light_theta_deg: -5 deg"),
     "negative sigma": (
         f"{HEADER},y,sigma_y\n1,2,3,4,5,-1\n",
-        "line 2, column sigma_y: -1 is negative",
+        "line 2, column sigma_y: -1 is not positive; leave the cell empty",
+    ),
+    "sigma of zero": (f"{HEADER},y,sigma_y\n1,2,3,4,5,0\n", "line 2, column sigma_y: 0 is not pos"),
+    "endless sigma": (f"{HEADER},y,sigma_y\n1,2,3,4,5,inf\n", "line 2, column sigma_y: inf is not"),
+    "sigma of no use": (
+        f"{HEADER},y,sigma_y\n1,2,3,4,5,1e30\n",
+        "line 2, column sigma_y: 1e30 is beyond 1e+12 1/sr",
+    ),
+    "value of no material": (
+        f"{RGB}\n1,2,3,4,5,1e30,7\n",
+        "line 2, column g: 1e30 is beyond 1e+12",
+    ),
+    "many turns": (f"{RGB}\n1,1e9,3,4,5,6,7\n", "line 2, column light_phi_deg: 1e9 deg is more"),
+    "below noise": (
+        f"{HEADER},y,sigma_y\n1,2,3,4,5,.1\n1,2,3,4,-.6,.1\n",
+        "line 3, column y: -0.6 is below zero by more than 5 sigma",
+    ),
+    "below the median": (
+        f"{RGB}\n1,2,3,4,.1,.2,.3\n1,2,3,4,.1,-1,.3\n",
+        "line 3, column g: -1 is below zero by more than the table's median",
     ),
     "open quote": (f'{RGB}\n1,2,3,4,5,6,"7\n', "line 2: is not CSV"),
     "semicolons": (
         f"{RGB}\n{ROW}\n".replace(",", ";"),
-        "line 1: column light_theta_deg is missing",
+        "line 1: the cells seem to be separated by semicolons",
+    ),
+    "tabs": (
+        f"{RGB}\n{ROW}\n".replace(",", "\t"),
+        "line 1: the cells seem to be separated by tabs",
+    ),
+    "decimal commas": (
+        f"{HEADER},y\n0,5,45,5,90,0,0,5,0,112\n",
+        "line 2: has 10 cells where the header has 5 (decimal commas? write 0.5, not 0,5)",
+    ),
+    "decimal comma in quotes": (
+        f'{RGB}\n1,2,3,4,5,6,"0,7"\n',
+        "line 2, column b: '0,7' is not a number (decimal commas?",
     ),
 }
 
@@ -120,6 +151,17 @@ def test_says_in_one_line_what_is_wrong_and_where(tmp_path, text, problem):
     assert "docs/topics/samples-table.md" in message
 
 
+NOISE = {
+    "by sigma": f"{HEADER},y,sigma_y\n1,2,3,4,5,.1\n1,2,3,4,-.4,.1\n",
+    "by the median": f"{RGB}\n1,2,3,4,.1,.2,.3\n1,2,3,4,.1,-.1,.3\n",
+}
+
+
+@pytest.mark.parametrize("text", NOISE.values(), ids=NOISE)
+def test_noise_below_zero_is_kept(tmp_path, text):
+    assert read_table(write(tmp_path, text)).value.min() < 0
+
+
 def test_a_missing_file_a_folder_and_another_encoding(tmp_path):
     with pytest.raises(BadFileError, match="no such file"):
         read_table(tmp_path / "none.csv")
@@ -129,11 +171,11 @@ def test_a_missing_file_a_folder_and_another_encoding(tmp_path):
         read_table(write(tmp_path, f"# 45\N{DEGREE SIGN}\n{RGB}\n{ROW}\n", "latin-1"))
 
 
-numbers = st.floats(-1e6, 1e6)
-theta = st.floats(0, 90)
+numbers = st.floats(0, 1e6)
+theta, phi = st.floats(0, 90), st.floats(-360, 360)
 
 
-@given(st.lists(st.tuples(theta, numbers, theta, numbers, numbers), min_size=1, max_size=5))
+@given(st.lists(st.tuples(theta, phi, theta, phi, numbers), min_size=1, max_size=5))
 def test_any_table_of_numbers_comes_back(tmp_path_factory, rows):
     lines = [",".join(map(repr, row)) for row in rows]
     path = write(tmp_path_factory.mktemp("table"), "\n".join([f"{HEADER},y", *lines]))

@@ -53,6 +53,7 @@ CASES = [
     ("table lacks a column", {"table.csv": "r,g,b\n1,2,3\n"}, FROM_TABLE, 2, "light_theta_deg"),
     ("table has a word", {"table.csv": TABLE + ROW.replace("30", "x")}, FROM_TABLE, 2, "line 2"),
     ("table holds NaN", {"table.csv": TABLE + ROW.replace("0.1", "nan")}, FROM_TABLE, 2, "line 2"),
+    ("semicolons", {"table.csv": TABLE.replace(",", ";")}, FROM_TABLE, 2, "by semicolons"),
     (
         "transmission",
         {"table.csv": TABLE + ROW.replace("20", "120")},
