@@ -71,11 +71,12 @@ class MeasuredTable:
             raise BadFileError(path, f"values has shape {values.shape}", _REMEDY)
         if directions is not None and not _are_the_grid(directions):
             raise BadFileError(path, "directions are not the 81 in their order", _REMEDY)
-        if not (np.isfinite(values).all() and (values >= 0).all()):
-            raise BadFileError(path, "values holds negative or non-finite numbers", _REMEDY)
+        problem = _problem(values)
+        if problem:
+            raise BadFileError(path, problem, _REMEDY)
         table = cls.of(values) if white is None else cls(values, white)
         if not 0 < table.white < np.inf:
-            raise BadFileError(path, f"white is {table.white:g}, no positive number", _REMEDY)
+            raise BadFileError(path, _no_scale(table.white, stated=white is not None), _REMEDY)
         return table
 
     def save(self, path: Path) -> None:
@@ -183,6 +184,25 @@ class SphericalMesh:
         centre = normalize(direction.mean(axis=0))
         reach = _angle(direction, centre).max() + 1e-6
         return np.flatnonzero(_angle(self._centre, centre) <= self._radius + reach)
+
+
+def _problem(values: NDArray[np.float64]) -> str | None:
+    """Say which values are no reflectance: how many, and where the first is."""
+    bad = np.argwhere(~(np.isfinite(values) & (values >= 0)))
+    if not len(bad):
+        return None
+    light, view, channel = bad[0].tolist()
+    return (
+        f"values[{light}, {view}, {channel}] (light, view, channel) is "
+        f"{values[light, view, channel]:g}, negative or not finite"
+        + (f", as are {len(bad) - 1} more" if len(bad) > 1 else "")
+    )
+
+
+def _no_scale(white: float, *, stated: bool) -> str:
+    if stated:
+        return f"white is {white:g}, no positive number"
+    return f"has no white, and 4 x the median of its values, used instead, is {white:g}; add white"
 
 
 def _are_the_grid(directions: NDArray[np.float64]) -> bool:

@@ -75,7 +75,11 @@ class FusedTrainer:
 
     def run(self, steps: int) -> None:
         """Take so many steps more; a member whose gradient overflows stays where it is."""
-        list(self._pool.map(lambda member: member.run(steps), self._members))
+        if len(self._members) == 1:
+            # in the caller's thread, whose time can then be told
+            self._members[0].run(steps)
+        else:
+            list(self._pool.map(lambda member: member.run(steps), self._members))
 
     def predict(self, inputs: NDArray[Any]) -> NDArray[Any]:
         """Return what the members say now, shape (members, n, outputs)."""

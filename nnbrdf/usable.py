@@ -22,8 +22,9 @@ def check_samples(samples: Samples, estimator: str) -> None:
     """
     samples.check()
     if len(samples) < MIN_SAMPLES:
+        count = "is 1 sample" if len(samples) == 1 else f"are {len(samples)} samples"
         raise BadInputError(
-            f"there are {len(samples)} samples; estimator {estimator} takes at least "
+            f"there {count}; estimator {estimator} takes at least "
             f"{MIN_SAMPLES}, so measure more directions"
         )
     if len(samples.channels) not in (1, 3):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.studies.job import Job
-from nnbrdf.training import epoch_steps
+from nnbrdf.training import default_trainer, epoch_steps
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -59,6 +59,7 @@ def combinations(
 
     With all twenty activations it is the paper's table 2.
     """
+    trainer = default_trainer()
     cases = product(activations, encodings, networks, extent.sizes, range(extent.seeds))
     return [
         Job(
@@ -72,6 +73,7 @@ def combinations(
             top=1.0,
             white_scale=1.0,
             seed=seed,
+            trainer=trainer,
         )
         for activation, encoding, hidden, subset, seed in cases
     ]

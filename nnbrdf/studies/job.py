@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+from pydantic import ConfigDict, Field, TypeAdapter
 
 from gonio.files import canonical_json, sha256_bytes
 from nnbrdf.encoding import INPUTS
 from nnbrdf.network import weight_count
 
 METRICS = ("eps8", "male", "cube_root_rmse", "sphere_psnr_db")
+MOST_STEPS = 10**9
+_CHECKED = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+Seconds = Annotated[float, Field(gt=0.0, lt=1e9)]
+# a network that has not diverged may still say what single precision only just holds
+Error = Annotated[float, Field(ge=0.0, lt=1e40)]
 
 
 @dataclass(frozen=True)
@@ -32,7 +41,11 @@ class Job:
         White of the targets, over the material's own.
     seed
         Which of the recipe's members it is.
+    trainer
+        `fused` or `torch`: they shuffle samples by generators of their own.
     """
+
+    __pydantic_config__: ClassVar[ConfigDict] = _CHECKED
 
     material: str
     digest: str
@@ -40,10 +53,11 @@ class Job:
     activation: str
     encoding: str
     hidden: tuple[int, ...]
-    steps: int
+    steps: Annotated[int, Field(ge=1, le=MOST_STEPS)]
     top: float
     white_scale: float
     seed: int
+    trainer: Annotated[str, Field(pattern="^(fused|torch)$")]
 
     @property
     def key(self) -> str:
@@ -70,7 +84,7 @@ class Outcome:
     job
         Which.
     seconds
-        Spent in training, on one core.
+        Time of a processor spent in training, on one core; other work on the machine hardly counts.
     diverged
         Whether its gradient, or what it says on the grid, was not finite; it has no errors then.
     loss
@@ -79,13 +93,15 @@ class Outcome:
         As in `nnbrdf.metrics.Scores`, over the 81 x 81 grid.
     """
 
+    __pydantic_config__: ClassVar[ConfigDict] = _CHECKED
+
     job: Job
-    seconds: float
+    seconds: Seconds
     diverged: bool
-    loss: float | None = None
-    eps8: float | None = None
-    male: float | None = None
-    cube_root_rmse: float | None = None
+    loss: Error | None = None
+    eps8: Error | None = None
+    male: Error | None = None
+    cube_root_rmse: Error | None = None
     sphere_psnr_db: float | None = None
 
     def row(self) -> dict[str, Any]:
@@ -94,15 +110,27 @@ class Outcome:
         return asdict(self.job) | {"hidden": self.job.network} | own
 
     @classmethod
-    def from_row(cls, row: dict[str, Any]) -> Outcome:
+    def from_row(cls, row: Any) -> Outcome:
         """Undo `row`.
 
         Raises
         ------
-        KeyError, TypeError, ValueError
-            For a row of another shape.
+        ValueError
+            For anything else: another shape, numbers out of range, an error missing though the
+            training did not diverge.
         """
+        if not isinstance(row, dict) or not isinstance(row.get("hidden"), str):
+            raise ValueError("hidden is missing")
         hidden = tuple(int(size) for size in row["hidden"].split("-"))
         names = {each.name for each in fields(Job)}
-        job = Job(**({name: row[name] for name in names} | {"hidden": hidden}))
-        return cls(job, **{name: value for name, value in row.items() if name not in names})
+        job = {name: value for name, value in row.items() if name in names} | {"hidden": hidden}
+        own = {name: value for name, value in row.items() if name not in names}
+        # strictly, a dataclass comes from JSON alone
+        outcome = _CHECK.validate_json(json.dumps({"job": job, **own}))
+        errors = (outcome.loss, outcome.eps8, outcome.male, outcome.cube_root_rmse)
+        if not outcome.diverged and None in errors:
+            raise ValueError("an error is missing")
+        return outcome
+
+
+_CHECK = TypeAdapter(Outcome)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, CancelledError, ThreadPoolExecutor, wait
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from nnbrdf.cores import cores
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from gonio.protocols import Progress
     from nnbrdf.studies.job import Job, Outcome
     from nnbrdf.studies.train import Truth
+
+_LOOK_S = 0.25
 
 
 def run_jobs(
@@ -41,7 +44,7 @@ def run_jobs(
     folder
         Where `results.jsonl` is or will be; outcomes of other jobs in it stay.
     progress
-        Called with the steps done, of all jobs.
+        Called with the steps done and all there are, of all jobs, several times a second.
 
     Returns
     -------
@@ -59,25 +62,46 @@ def run_jobs(
     """
     # settings may share a training: once is enough
     different = {job.key: job for job in jobs}
-    total = sum(job.steps for job in different.values())
+    watch = _Watch()
     # what is known is read once nobody else writes here
     with appending(folder) as append, ThreadPoolExecutor(cores()) as pool:
         known = read_results(folder)
         wanted = [job for key, job in different.items() if key not in known]
-        done = total - sum(job.steps for job in wanted)
-        running = [
-            pool.submit(carry_out, job, truths[job.material], subsets)
+        total = sum(job.steps for job in different.values())
+        before = total - sum(job.steps for job in wanted)
+        running = {
+            pool.submit(carry_out, job, truths[job.material], subsets, watch.tick)
             for job in sorted(wanted, key=lambda job: -job.steps)
-        ]
+        }
         try:
-            for future in as_completed(running):
-                outcome = future.result()
-                append(outcome)
-                known[outcome.job.key] = outcome
-                done += outcome.job.steps
+            if progress is not None:
+                progress(before, total)
+            while running:
+                finished, running = wait(running, _LOOK_S, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    outcome = future.result()
+                    append(outcome)
+                    known[outcome.job.key] = outcome
                 if progress is not None:
-                    progress(done, total)
+                    progress(before + watch.steps, total)
         except BaseException:
+            watch.is_over = True
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return [known[job.key] for job in jobs]
+
+
+class _Watch:
+    """What the threads that train and the one that waits know of each other."""
+
+    def __init__(self) -> None:
+        self.is_over = False
+        self.steps = 0
+        self._lock = Lock()
+
+    def tick(self, steps: int) -> None:
+        """Count steps; end the training once nobody waits for it."""
+        with self._lock:
+            self.steps += steps
+        if self.is_over:
+            raise CancelledError

@@ -8,8 +8,11 @@ import os
 from contextlib import contextmanager
 from typing import IO, TYPE_CHECKING
 
+from pydantic import ValidationError
+
 from gonio.errors import BadFileError, BadInputError, StorageError
 from gonio.files import sync_file
+from gonio.validation import describe
 from nnbrdf.studies.job import Outcome
 
 if TYPE_CHECKING:
@@ -34,9 +37,9 @@ def read_results(folder: Path) -> dict[str, Outcome]:
     if not path.exists():
         return {}
     try:
-        lines = path.read_text("utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadFileError(path, f"cannot be read ({error})", _REMEDY) from None
+        lines = path.read_bytes().split(b"\n")
+    except OSError as error:
+        raise BadFileError(path, f"cannot be read ({error.strerror})", _REMEDY) from None
     outcomes = [_parse(path, number, line) for number, line in enumerate(lines[:-1], start=1)]
     return {outcome.job.key: outcome for outcome in outcomes}
 
@@ -78,11 +81,15 @@ def _hold(file: IO[bytes], folder: Path) -> None:
         ) from None
 
 
-def _parse(path: Path, number: int, line: str) -> Outcome:
+def _parse(path: Path, number: int, line: bytes) -> Outcome:
     try:
         return Outcome.from_row(json.loads(line))
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise BadFileError(path, f"line {number} is no outcome", _REMEDY) from None
+    except ValidationError as error:
+        problem = describe(error)
+    except (ValueError, RecursionError) as error:
+        problem = str(error)
+    remedy = f"delete line {number}, and what it stood for is trained again"
+    raise BadFileError(path, f"line {number} is no outcome ({problem})", remedy)
 
 
 def _drop_cut_line(path: Path) -> None:

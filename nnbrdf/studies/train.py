@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from time import perf_counter
+from time import thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,13 +18,15 @@ from nnbrdf.studies.job import Outcome
 from nnbrdf.training import make_trainer
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
     from nnbrdf.metrics import Scores
     from nnbrdf.studies.job import Job
     from nnbrdf.training import Trainer
+
+_AT_ONCE = 500
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,12 @@ class Truth:
     white: float
 
 
-def carry_out(job: Job, truth: Truth, subsets: Mapping[str, NDArray[np.int64]]) -> Outcome:
+def carry_out(
+    job: Job,
+    truth: Truth,
+    subsets: Mapping[str, NDArray[np.int64]],
+    tick: Callable[[int], None] = lambda steps: None,
+) -> Outcome:
     """Train and judge one network.
 
     Parameters
@@ -58,15 +65,16 @@ def carry_out(job: Job, truth: Truth, subsets: Mapping[str, NDArray[np.int64]]) 
         The table of `job.material`.
     subsets
         Pairs by name, as indices of the flattened 81 x 81 grid.
+    tick
+        Called with the steps taken since the last call, every few milliseconds of the kernel; what
+        it raises ends the training.
     """
     inputs, pairs = _grid_inputs(job.encoding), subsets[job.subset]
     # the BRDF, in 1/sr, that a target of 1 stands for: the job's white becomes a target of `top`
     unit = truth.white * job.white_scale / job.top
     targets = np.clip(truth.values.reshape(-1, 3)[pairs] / unit, 0.0, job.top)
     running = _start(job, inputs[pairs], targets)
-    began = perf_counter()
-    running.run(job.steps)
-    seconds = perf_counter() - began
+    seconds = _run(running, job.steps, tick)
     with np.errstate(over="ignore"):
         said = running.predict(inputs)[0].astype(np.float64) * unit
     if running.diverged[0] or not np.isfinite(said).all():
@@ -77,12 +85,24 @@ def carry_out(job: Job, truth: Truth, subsets: Mapping[str, NDArray[np.int64]]) 
     )
 
 
+def _run(running: Trainer, steps: int, tick: Callable[[int], None]) -> float:
+    """Take the steps; return the time of the processor that they took."""
+    seconds = 0.0
+    for begin in range(0, steps, _AT_ONCE):
+        count = min(_AT_ONCE, steps - begin)
+        began = thread_time()
+        running.run(count)
+        seconds += thread_time() - began
+        tick(count)
+    return seconds
+
+
 def _start(job: Job, inputs: NDArray[np.float64], targets: NDArray[np.float64]) -> Trainer:
     """Put the network that the estimator's member of this number is into training."""
     generator = np.random.default_rng(np.random.SeedSequence(0, spawn_key=(job.seed,)))
     sizes = (INPUTS[job.encoding], *job.hidden, targets.shape[1])
     network = glorot_uniform(sizes, [generator], activation=job.activation)
-    return make_trainer(network, inputs, targets, [int(generator.integers(2**63))])
+    return make_trainer(network, inputs, targets, [int(generator.integers(2**63))], job.trainer)
 
 
 def _judged(job: Job, seconds: float, loss: float, scores: Scores) -> Outcome:

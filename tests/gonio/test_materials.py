@@ -122,6 +122,14 @@ def zipped(name, content):
 GOOD = npz(values=TABLE.values, white=1.0)
 PACKED = npz(np.savez_compressed, values=TABLE.values)
 ONES = np.ones((81, 81, 3))
+
+
+def with_value(value):
+    values = ONES.copy()
+    values[7, 3, 1] = value
+    return values
+
+
 BAD = [
     # name, content (None: no file), what is said
     ("missing", None, "no such file"),
@@ -138,9 +146,18 @@ BAD = [
     ("words", npz(values=np.full((81, 81, 3), "a")), "is not a table"),
     ("complex", npz(values=ONES * 1j), "is not a table"),
     ("pickle", npz(values=np.array([{}], dtype=object)), "is not a table"),
-    ("negative", npz(values=-ONES), "negative or non-finite"),
-    ("not finite", npz(values=ONES * np.nan), "negative or non-finite"),
-    ("black", npz(values=0 * ONES), "white is 0"),
+    (
+        "negative",
+        npz(values=with_value(-0.5)),
+        "values[7, 3, 1] (light, view, channel) is -0.5, negative or not finite; expected",
+    ),
+    (
+        "not finite",
+        npz(values=ONES * np.nan),
+        "values[0, 0, 0] (light, view, channel) is nan, negative or not finite, as are 19682 more",
+    ),
+    ("black", npz(values=0 * ONES), "has no white, and 4 x the median of its values"),
+    ("black by white", npz(values=ONES, white=0.0), "white is 0, no positive number"),
     ("white NaN", npz(values=ONES, white=np.nan), "white is nan"),
     ("white infinite", npz(values=ONES, white=np.inf), "white is inf"),
     ("many whites", npz(values=ONES, white=np.ones(2)), "is not a table"),

@@ -131,6 +131,7 @@ def broken(**changes):
 NAN = np.full((60, 3), np.nan)
 BAD = {
     "too few": (lambda: some_samples(7), "there are 7 samples; estimator paper takes at least 8"),
+    "one": (lambda: some_samples(1), "there is 1 sample; estimator paper takes at least 8"),
     "none": (lambda: some_samples(0), "there are 0 samples"),
     "NaN": (broken(value=NAN), "row 0: value is not finite"),
     "negative sigma": (broken(sigma=-np.ones((60, 3))), "row 0: sigma is negative"),

@@ -19,7 +19,7 @@ from nnbrdf.studies.store import RESULTS_NAME, appending, read_results
 from nnbrdf.studies.tables import kendall_tau, mean_ranks, ranking, tabulate
 from nnbrdf.studies.train import Truth, carry_out
 
-JOB = Job("felt", "ab" * 32, "vs-is", "softsign", "xyz", (4, 3), 20, 1.0, 1.0, 0)
+JOB = Job("felt", "ab" * 32, "vs-is", "softsign", "xyz", (4, 3), 20, 1.0, 1.0, 0, "fused")
 
 
 def a_truth(top=1.0):
@@ -37,14 +37,15 @@ def some_jobs(*activations):
 
 def an_outcome(error, seed=0, diverged=False, **changes):
     job = replace(JOB, seed=seed, **changes)
-    return Outcome(job, 0.5, diverged, eps8=error, sphere_psnr_db=error)
+    errors = dict.fromkeys(("loss", "male", "cube_root_rmse"), None if error is None else 0.1)
+    return Outcome(job, 0.5, diverged, eps8=error, sphere_psnr_db=error, **errors)
 
 
 def test_the_key_hangs_on_everything():
     changes = {
         "material": "silk", "digest": "cd" * 32, "subset": "va-ia", "activation": "tanh",
         "encoding": "sincos", "hidden": (4, 4), "steps": 21, "top": 255.0, "white_scale": 2.0,
-        "seed": 1,
+        "seed": 1, "trainer": "torch",
     }  # fmt: skip
     keys = {replace(JOB, **{name: value}).key for name, value in changes.items()}
     assert len(keys | {JOB.key}) == len(changes) + 1
@@ -140,13 +141,68 @@ def test_what_two_settings_share_is_trained_once(tmp_path):
     assert calls[-1] == (total, total)
 
 
-def test_a_line_that_is_no_outcome_is_named(tmp_path):
-    with appending(tmp_path) as append:
-        append(an_outcome(1.0))
-    path = tmp_path / RESULTS_NAME
-    path.write_text('{"a": 1}\n' + path.read_text())
-    with pytest.raises(BadFileError, match="line 1 is no outcome"):
+GOOD = json.dumps(an_outcome(1.0).row())
+DAMAGED = {
+    "another object": '{"a": 1}',
+    "no object": "[1]",
+    "no JSON": GOOD[:-20],
+    "deep": "[" * 100_000,
+    "words for an error": GOOD.replace('"eps8": 1.0', '"eps8": "abc"'),
+    "a negative error": GOOD.replace('"eps8": 1.0', '"eps8": -1.0'),
+    "an error beyond all": GOOD.replace('"eps8": 1.0', '"eps8": 1e308'),
+    "NaN": GOOD.replace('"eps8": 1.0', '"eps8": NaN'),
+    "infinity": GOOD.replace('"eps8": 1.0', '"eps8": Infinity'),
+    "no error": GOOD.replace('"eps8": 1.0', '"eps8": null'),
+    "an error left out": GOOD.replace('"eps8": 1.0, ', ""),
+    "no time": GOOD.replace('"seconds": 0.5', '"seconds": 0.0'),
+    "words for a time": GOOD.replace('"seconds": 0.5', '"seconds": "x"'),
+    "words for yes and no": GOOD.replace('"diverged": false', '"diverged": "no"'),
+    "no trainer": GOOD.replace(', "trainer": "fused"', ""),
+    "another trainer": GOOD.replace('"fused"', '"keras"'),
+    "not text": "\udcff",
+}
+
+
+@pytest.mark.parametrize("line", DAMAGED.values(), ids=DAMAGED)
+def test_a_line_that_is_no_outcome_is_named(tmp_path, line):
+    assert line != GOOD
+    content = f"{GOOD}\n{line}\n{GOOD}\n".encode(errors="surrogateescape")
+    (tmp_path / RESULTS_NAME).write_bytes(content)
+    with pytest.raises(BadFileError, match=r"line 2 is no outcome \(.+\).*delete line 2"):
         read_results(tmp_path)
+
+
+def test_a_training_that_is_stopped_ends_within_its_next_steps(tmp_path, monkeypatch):
+    jobs = [replace(job, steps=10**9) for job in some_jobs("gelu")]
+
+    def stop(done, total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path, stop)
+    assert (tmp_path / RESULTS_NAME).read_bytes() == b""
+
+
+def test_the_time_of_a_training_is_the_time_of_its_own_thread():
+    spent = []
+    outcome = carry_out(
+        replace(JOB, steps=2000), a_truth(), SUBSETS, lambda _: spent.append(busy())
+    )
+    assert len(spent) == 4
+    assert outcome.seconds < 0.5 * sum(spent)
+
+
+def busy():
+    """Work in another thread, while a clock on the wall goes on; return its seconds."""
+    from threading import Thread
+    from time import perf_counter
+
+    began = perf_counter()
+    thread = Thread(target=lambda: sum(range(1_000_000)))
+    thread.start()
+    thread.join()
+    return perf_counter() - began
 
 
 def test_a_training_that_overflows_has_no_errors_and_says_so():
