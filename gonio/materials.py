@@ -71,9 +71,8 @@ class MeasuredTable:
             raise BadFileError(path, f"values has shape {values.shape}", _REMEDY)
         if directions is not None and not _are_the_grid(directions):
             raise BadFileError(path, "directions are not the 81 in their order", _REMEDY)
-        problem = _problem(values)
-        if problem:
-            raise BadFileError(path, problem, _REMEDY)
+        if bad := _bad_values(values):
+            raise BadFileError(path, bad, _REMEDY)
         table = cls.of(values) if white is None else cls(values, white)
         if not 0 < table.white < np.inf:
             raise BadFileError(path, _no_scale(table.white, stated=white is not None), _REMEDY)
@@ -186,7 +185,7 @@ class SphericalMesh:
         return np.flatnonzero(_angle(self._centre, centre) <= self._radius + reach)
 
 
-def _problem(values: NDArray[np.float64]) -> str | None:
+def _bad_values(values: NDArray[np.float64]) -> str | None:
     """Say which values are no reflectance: how many, and where the first is."""
     bad = np.argwhere(~(np.isfinite(values) & (values >= 0)))
     if not len(bad):

@@ -16,6 +16,7 @@ from nnbrdf.estimators import estimator_named
 from nnbrdf.metrics import eps8, male
 from nnbrdf.teaching import SIZES
 from nnbrdf.timing import million_seconds
+from nnbrdf.usable import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -76,7 +77,7 @@ class Trial:
             return cls(samples, *grid_pairs(), truth.values, truth.white, "truth")
         if len(samples) < _LEAST:
             raise BadInputError(
-                f"there are {len(samples)} samples; a comparison without a truth holds every fifth "
+                f"there {counted(samples)}; a comparison without a truth holds every fifth "
                 f"out and needs {_LEAST}, so measure more directions or leave out --compare"
             )
         held = is_held_out(len(samples))

@@ -22,9 +22,8 @@ def check_samples(samples: Samples, estimator: str) -> None:
     """
     samples.check()
     if len(samples) < MIN_SAMPLES:
-        count = "is 1 sample" if len(samples) == 1 else f"are {len(samples)} samples"
         raise BadInputError(
-            f"there {count}; estimator {estimator} takes at least "
+            f"there {counted(samples)}; estimator {estimator} takes at least "
             f"{MIN_SAMPLES}, so measure more directions"
         )
     if len(samples.channels) not in (1, 3):
@@ -32,3 +31,8 @@ def check_samples(samples: Samples, estimator: str) -> None:
             f"the samples have {len(samples.channels)} channels; estimator {estimator} takes one "
             "or three"
         )
+
+
+def counted(samples: Samples) -> str:
+    """Say how many samples there are, as in "there {counted(samples)}"."""
+    return "is 1 sample" if len(samples) == 1 else f"are {len(samples)} samples"

@@ -62,7 +62,14 @@ CASES = [
         "transmission",
     ),
     ("empty table", {"table.csv": ""}, FROM_TABLE, 2, "table.csv"),
-    ("too few samples", {"table.csv": TABLE + ROW}, FROM_TABLE, 2, "there is 1 sample"),
+    ("too few samples", {"table.csv": TABLE + ROW}, FROM_TABLE, 2, "there is 1 sample;"),
+    (
+        "too few to compare",
+        {"table.csv": TABLE + ROW},
+        (*FROM_TABLE, "--compare"),
+        2,
+        "there is 1 sample; a comparison",
+    ),
 ]
 
 
