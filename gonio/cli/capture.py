@@ -26,10 +26,16 @@ _NOTES = {
 }
 
 
+def _material(text: str) -> str:
+    """Return an embedded name in the case that it has, a path as it is."""
+    return text if text.endswith(".npz") else text.lower()
+
+
 @click.command(name="capture")
 @click.option("--sim", is_flag=True, help="Use the simulated twin of the rig, on a virtual clock.")
 @click.option(
     "--material",
+    type=_material,
     metavar="NAME|FILE",
     help="With --sim, what the twin carries: a name from `gonio materials`, or an .npz table of "
     "81 x 81 directions.  [default: wood-veneer]",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 @click.command(name="plan")
 @click.option(
     "--density",
+    type=str.lower,
     metavar="DENSITY",
     default="sixth",
     show_default=True,
@@ -24,13 +25,20 @@ if TYPE_CHECKING:
     "paper's va-ia, vs-ia, va-is, vs-is: views and illumination, all or sixth.",
 )
 @click.option(
-    "--views", metavar="DENSITY", help="The same for the views alone; goes before --density."
+    "--views",
+    type=str.lower,
+    metavar="DENSITY",
+    help="The same for the views alone; goes before --density.",
 )
 @click.option(
-    "--lights", metavar="DENSITY", help="The same for the lights alone; goes before --density."
+    "--lights",
+    type=str.lower,
+    metavar="DENSITY",
+    help="The same for the lights alone; goes before --density.",
 )
 @click.option(
     "--criterion",
+    type=str.lower,
     metavar="NAME",
     default="i-optimal",
     show_default=True,

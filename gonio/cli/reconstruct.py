@@ -34,7 +34,7 @@ _OF = {
 )
 @click.option(
     "--estimator",
-    type=click.Choice(["nn", "prior", "analytic", "paper"]),
+    type=click.Choice(["nn", "prior", "analytic", "paper"], case_sensitive=False),
     default="nn",
     show_default=True,
     help="How samples become a material. nn: a small network taught by what a prior of generated "
@@ -62,19 +62,21 @@ _OF = {
 @click.option("--epochs", type=click.IntRange(min=1), help="Of estimator paper.  [default: 500]")
 @click.option(
     "--activation",
+    type=str.lower,
     metavar="NAME",
     help="Of the hidden layers: tanh, gelu, relu, ... (any other word lists all twenty).  "
     "[default: nn gelu, paper softsign]",
 )
 @click.option(
     "--encoding",
+    type=str.lower,
     metavar="NAME",
     help="Inputs of estimator paper: xyz, sincos, half-difference, ... (any other word lists "
     "all).  [default: xyz]",
 )
 @click.option(
     "--trainer",
-    type=click.Choice(["fused", "torch", "cuda"]),
+    type=click.Choice(["fused", "torch", "cuda"], case_sensitive=False),
     help="Who trains: the compiled kernel, torch, or torch on a GPU.  [default: the kernel]",
 )
 @click.option(
