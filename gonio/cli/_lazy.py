@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,18 @@ class LazyGroup(click.Group):
             return None
         command: click.Command = import_module(f"{self._commands_of}{cmd_name}").command
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command, or tell the known ones and which of them was perhaps meant."""
+        name = args[0]
+        if name not in self._helps and not name.startswith("-"):
+            near = get_close_matches(name.lower(), self._helps, n=1)
+            meant = f" (did you mean {near[0]}?)" if near else ""
+            known = ", ".join(self._helps)
+            ctx.fail(f"{name!r} is no command of {ctx.command_path}{meant}; use {known}")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""

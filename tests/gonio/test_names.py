@@ -4,7 +4,6 @@ from importlib import import_module
 
 import pytest
 
-
 ANY_CASE = [
     # command, option, as typed, as taken
     ("reconstruct", "--estimator", "Paper", "paper"),
