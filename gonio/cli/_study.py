@@ -1,36 +1,35 @@
-"""What the studies share: materials and subsets in, tables and a page out."""
+"""What the studies share at their beginning: options read, materials and subsets laid out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from gonio.cli._console import console, duration, progress_bar
+from gonio.cli._console import progress_bar
 from gonio.errors import BadInputError
 from gonio.files import sha256_bytes
 from nnbrdf.fused import MOST_LAYERS
 from nnbrdf.studies.designs import Extent
-from nnbrdf.studies.export import write_outcomes, write_table
-from nnbrdf.studies.job import METRICS
+from nnbrdf.studies.job import MOST_STEPS
 from nnbrdf.studies.run import run_jobs
-from nnbrdf.studies.tables import column_of, tabulate
 from nnbrdf.studies.train import Truth
+from nnbrdf.training import default_trainer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from gonio.report.grids import Grid
     from nnbrdf.studies.job import Job, Outcome
 
 SIXTH = 14
-_WIDEST = 400
+_MOST_SEEDS, _MOST_EPOCHS = 1000, 10**6
+_SCALE = 1e9
 
 
 @dataclass(frozen=True)
@@ -41,6 +40,24 @@ class Setting:
     subsets: dict[str, NDArray[np.int64]]
     extent: Extent
     folder: Path
+
+    @property
+    def notes(self) -> list[tuple[str, str]]:
+        """What a page says of how its networks were trained."""
+        trainers = {"fused": "gonio's compiled kernel", "torch": "torch"}
+        seeds, epochs = self.extent.seeds, self.extent.epochs
+        length = "as --steps says" if self.extent.steps else f"{epochs} epochs"
+        pairs = ", ".join(
+            f"{name}: {count} pairs, {self.extent.steps_on(name):,} steps"
+            for name, count in self.extent.sizes.items()
+        )
+        return [
+            ("networks for each case", str(seeds)),
+            ("length of training", f"{length} ({pairs})"),
+            ("trainer", trainers[default_trainer()]),
+            ("times", "of the processor, on one core, unless a heading says otherwise"),
+            *metric_notes(self.truths),
+        ]
 
     def train(self, design: Callable[[Truth, Extent], list[Job]]) -> list[Outcome]:
         """Carry out a design on every material."""
@@ -83,6 +100,16 @@ def read_setting(
     return Setting(truths, pairs, Extent(sizes, seeds, epochs, steps), folder)
 
 
+def metric_notes(truths: dict[str, Truth]) -> list[tuple[str, str]]:
+    """Return what a page says of its metrics, and the white that they hang on."""
+    whites = ", ".join(f"{name} {truth.white:.4g}" for name, truth in truths.items())
+    return [
+        ("eps8", "mean absolute error on an 8-bit scale that ends at white, as the paper's"),
+        ("male", "mean absolute error of the natural logarithm, above a floor of 1 % of white"),
+        ("white (1/sr)", whites),
+    ]
+
+
 def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ...]:
     """Split names at commas, in small letters or capitals; all where there is no text.
 
@@ -93,7 +120,7 @@ def names_in(text: str | None, known: Sequence[str], what: str) -> tuple[str, ..
     """
     if text is None:
         return tuple(known)
-    names = tuple(name.strip() for name in text.lower().split(","))
+    names = tuple(dict.fromkeys(name.strip() for name in text.lower().split(",")))
     for name in names:
         if name not in known:
             raise BadInputError(f"{what} {name!r} is not known; use {', '.join(known)}")
@@ -111,7 +138,7 @@ def networks_in(text: str) -> tuple[tuple[int, ...], ...]:
     try:
         networks = tuple(
             tuple(int(size) for size in each.split("-"))
-            for each in text.replace(" ", "").split(",")
+            for each in dict.fromkeys(text.replace(" ", "").split(","))
         )
     except ValueError:
         networks = ()
@@ -147,69 +174,16 @@ def study_options(command: Callable[..., None]) -> Callable[..., None]:
                      show_default=True, help="Folder of results; what it holds counts."),
         click.option("--subsets", default="va-ia,vs-ia,va-is,vs-is", show_default=True,
                      help="Pairs to train on: v views, i lights, a all, s a sixth."),
-        click.option("--seeds", type=click.IntRange(min=1), default=5, show_default=True,
+        click.option("--seeds", type=click.IntRange(1, _MOST_SEEDS), default=5, show_default=True,
                      help="Networks for each case; tables give their median."),
-        click.option("--epochs", type=click.IntRange(min=1), default=500, show_default=True),
-        click.option("--steps", type=click.IntRange(min=1),
-                     help="Train for so many steps instead of epochs."),
+        click.option("--epochs", type=click.IntRange(1, _MOST_EPOCHS), default=500,
+                     show_default=True, help="How often training sees each pair."),
+        click.option("--steps", type=click.IntRange(1, MOST_STEPS),
+                     help="Train for so many batches of 32 instead of epochs."),
     ]  # fmt: skip
     for option in reversed(options):
         option(with_setting)
     return with_setting
-
-
-def conclude(
-    page: Path,
-    title: str,
-    about: str,
-    outcomes: Sequence[Outcome],
-    row_of: Callable[[Job], str],
-    column_of: Callable[[Job], str] = column_of,
-) -> None:
-    """Write the CSV files of a study beside its page, and the page; print eps8, and the ranks."""
-    from gonio.report.study import grid_of, section_of, summary_section, write_study
-
-    tables = {
-        metric: tabulate(outcomes, metric, row_of, column_of) for metric in (*METRICS, "seconds")
-    }
-    sections = [section_of(of_material) for of_material in zip(*tables.values(), strict=True)]
-    summary = [summary_section(tables)] if len(sections) > 1 else []
-    write_outcomes(page.parent / "results.csv", outcomes)
-    for metric, of_metric in tables.items():
-        write_table(page.parent / f"{metric}.csv", of_metric)
-    write_study(page, title, about, [*sections, *summary])
-    for table in tables["eps8"]:
-        show_grids(table.material, [grid_of(table)])
-    for section in summary:
-        show_grids(section.title, section.grids)
-    show_end(page, outcomes)
-
-
-def show_grids(material: str, grids: Sequence[Grid]) -> None:
-    """Print tables of one material."""
-    from rich.console import Console
-    from rich.measure import Measurement
-    from rich.table import Table as Screen
-
-    for grid in grids:
-        screen = Screen(title=f"{material}: {grid.title}", box=None, title_justify="left")
-        for index, name in enumerate(grid.head):
-            justify: Literal["left", "right"] = "right" if index and not grid.words else "left"
-            screen.add_column(name.replace(" ", "\n"), justify=justify, no_wrap=True)
-        for line in grid.lines:
-            screen.add_row(*line.cells, style="bold" if line.best else None)
-        # a narrow terminal wraps the lines of a wide table; it must not cut its cells
-        roomy = console.options.update(max_width=_WIDEST)
-        width = max(console.width, Measurement.get(console, roomy, screen).maximum)
-        Console(width=width, highlight=False).print(screen)
-
-
-def show_end(page: Path, outcomes: Sequence[Outcome]) -> None:
-    """Say where everything is, and what it took."""
-    seconds = sum(outcome.seconds for outcome in outcomes)
-    console.print(f"{len(outcomes)} trainings, {duration(seconds)} of one core in all")
-    console.print(f"tables: {page.parent}")
-    console.print(f"page:   {page}")
 
 
 def _truth(name: str) -> Truth:
@@ -222,8 +196,14 @@ def _truth(name: str) -> Truth:
         grid = paper_directions()
         material = MeasuredTable.of(material.evaluate(grid[:, None], grid[None]))
     values = np.ascontiguousarray(material.values, np.float64)
-    digest = sha256_bytes(values.tobytes() + np.float64(material.white).tobytes())
-    return Truth(Path(name).stem, digest, values, float(material.white))
+    largest, white = float(values.max()), float(material.white)
+    if not all(1 / _SCALE <= each <= _SCALE for each in (largest, white)):
+        raise BadInputError(
+            f"{name}: the largest value is {largest:.3g} and white {white:.3g}; studies take "
+            f"{1 / _SCALE:g} to {_SCALE:g}, so check that values are in 1/sr"
+        )
+    digest = sha256_bytes(values.tobytes() + np.float64(white).tobytes())
+    return Truth(Path(name).stem, digest, values, white)
 
 
 def _subsets(names: str) -> dict[str, NDArray[np.int64]]:

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import conclude, names_in, networks_in, study_options
+from gonio.cli._study import names_in, networks_in, study_options
+from gonio.cli._study_end import conclude
 
 if TYPE_CHECKING:
     from gonio.cli._study import Setting
 
 TITLE = "Activations"
 ABOUT = (
-    "Every activation on the same pairs, with the recipe of Mikes and Haindl (2023). Cells are "
-    "medians over the seeds; ranks go by the mean of the cells."
+    "Every activation on the same pairs, by absolute loss, Adamax and batches of 32, as Mikes and "
+    "Haindl (2023) have it; for how long, the end of the page says. Cells are medians over the "
+    "seeds; ranks go by the mean of the cells."
 )
 
 
@@ -37,5 +39,4 @@ def command(setting: Setting, *, activations: str | None, networks: str) -> None
     names = names_in(activations, list(ACTIVATIONS), "activation")
     design = partial(combinations, activations=names, networks=networks_in(networks))
     outcomes = setting.train(design)
-    page = setting.folder / "activations.html"
-    conclude(page, TITLE, ABOUT, outcomes, lambda job: job.activation)
+    conclude(setting, "activations", TITLE, ABOUT, outcomes, lambda job: job.activation)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import names_in, show_grids, study_options
+from gonio.cli._study import names_in, study_options
+from gonio.cli._study_end import show_grids, write_trainings
 
 if TYPE_CHECKING:
     from gonio.cli._study import Setting
@@ -38,17 +39,17 @@ def command(setting: Setting, *, models: str | None) -> None:
     from gonio.report.study import analytic_section, write_study
     from nnbrdf.fitting import MODELS
     from nnbrdf.studies.designs import combinations
-    from nnbrdf.studies.export import write_outcomes, write_results
+    from nnbrdf.studies.export import write_results
 
     names = names_in(models, list(MODELS), "model")
     outcomes = setting.train(combinations)
     results = _results(setting, names, outcomes)
     sections = [analytic_section(name, results[name]) for name in setting.truths]
-    write_outcomes(setting.folder / "results.csv", outcomes)
+    write_trainings(setting, "analytic", outcomes)
     table = setting.folder / "analytic.csv"
     write_results(table, results)
     page = setting.folder / "analytic.html"
-    write_study(page, TITLE, ABOUT, sections)
+    write_study(page, TITLE, ABOUT, sections, setting.notes)
     for section in sections:
         show_grids(section.title, section.grids)
     console.print(f"table: {table}")

@@ -7,15 +7,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import conclude, names_in, networks_in, study_options
+from gonio.cli._study import names_in, networks_in, study_options
+from gonio.cli._study_end import conclude
 
 if TYPE_CHECKING:
     from gonio.cli._study import Setting
 
 TITLE = "Encodings"
 ABOUT = (
-    "Every encoding on the same pairs, SoftSign. Cells are medians over the seeds; ranks go by the "
-    "mean of the cells."
+    "Every encoding on the same pairs, SoftSign. paper-literal takes the paper's formula as it is "
+    "printed, degrees over 180 without pi, so that its inputs jump where azimuth passes 360 "
+    "degrees, by twenty times the step between neighbors; what it costs is its distance from xyz. "
+    "Cells are medians over the seeds; ranks go by the mean of the cells."
 )
 
 
@@ -37,5 +40,4 @@ def command(setting: Setting, *, encodings: str | None, networks: str) -> None:
     names = names_in(encodings, list(ENCODINGS), "encoding")
     design = partial(combinations, encodings=names, networks=networks_in(networks))
     outcomes = setting.train(design)
-    page = setting.folder / "encodings.html"
-    conclude(page, TITLE, ABOUT, outcomes, lambda job: job.encoding)
+    conclude(setting, "encodings", TITLE, ABOUT, outcomes, lambda job: job.encoding)

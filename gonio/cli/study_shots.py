@@ -40,7 +40,8 @@ def command(
         gonio study shots felt.npz silk.npz --methods nn,prior,paper
     """  # noqa: D301
     from gonio.cli._console import console, progress_bar
-    from gonio.cli._study import names_in, read_setting, show_grids
+    from gonio.cli._study import metric_notes, names_in, read_setting
+    from gonio.cli._study_end import show_grids
     from gonio.report.shots import shots_section
     from gonio.report.study import write_study
     from nnbrdf.studies import shots as study
@@ -59,7 +60,8 @@ def command(
     if len(truths) > 1:
         sections.insert(0, shots_section(f"Mean of {len(truths)} materials", results))
     page = output / "shots.html"
-    write_study(page, TITLE, ABOUT, sections)
+    times = "by the clock on the wall, from samples to values on the grid; other work adds to them"
+    write_study(page, TITLE, ABOUT, sections, [("times", times), *metric_notes(setting.truths)])
     for section in sections:
         show_grids(section.title, section.grids)
     console.print(f"table: {table}")

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from numpy.typing import NDArray
 
     from gonio.protocols import Progress
     from gonio.report.grids import Section
 
     Data = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+T = TypeVar("T")
 
 TITLE = "Stability"
 ABOUT = (
@@ -24,6 +28,8 @@ ABOUT = (
 RATES = (1e-4, 3e-4, 1e-3, 2.5e-3, 6e-3, 1.5e-2, 4e-2, 0.1, 0.3)
 SHARES = (0.9, 0.99, 1.01, 1.1)
 STEPS = 3500
+DRIFTING = ("softsign", "relu")
+PARTS = ("cases", "starts", "limits")
 
 
 @click.command(name="stability")
@@ -39,7 +45,8 @@ def command(*, material: str, output: Path) -> None:
         gonio study stability felt.npz -o stability/
     """  # noqa: D301
     from gonio.cli._console import console, progress_bar
-    from gonio.cli._study import read_setting, show_grids
+    from gonio.cli._study import read_setting
+    from gonio.cli._study_end import show_grids, write_grid
     from gonio.report.study import write_study
     from nnbrdf.studies.analytic import samples_of
 
@@ -51,10 +58,13 @@ def command(*, material: str, output: Path) -> None:
     with progress_bar("measuring") as progress:
         section = _section(truth.name, data, progress)
     output.mkdir(parents=True, exist_ok=True)
+    for part, grid in zip(PARTS, section.grids, strict=True):
+        write_grid(output / f"stability-{part}.csv", grid)
     page = output / "stability.html"
-    write_study(page, TITLE, ABOUT, [section])
+    write_study(page, TITLE, ABOUT, [section], [])
     show_grids(section.title, section.grids)
-    console.print(f"page: {page}")
+    console.print(f"tables: {output}/stability-*.csv")
+    console.print(f"page:   {page}")
 
 
 def _section(name: str, data: Data, progress: Progress) -> Section:
@@ -66,17 +76,25 @@ def _section(name: str, data: Data, progress: Progress) -> Section:
     from nnbrdf.stability.precision import drift
     from nnbrdf.stability.starts import look_at_start
 
-    parts = iter(range(1, 6))
-    cases = {case: {each: outcome(each, case) for each in ACTIVATIONS} for case in CASES}
-    progress(next(parts), 5)
-    starts = {each: look_at_start(each, *data, (15, 30, 20), STEPS) for each in ACTIVATIONS}
-    progress(next(parts), 5)
-    drifts = {each: drift(each, *data, 4 * STEPS) for each in ("softsign", "relu")}
-    progress(next(parts), 5)
-    floors = {steps: loss_floor(*data, RATES, steps) for steps in (STEPS, 10 * STEPS)}
-    progress(next(parts), 5)
-    limits = _limits(data)
-    progress(next(parts), 5)
+    lengths = (STEPS, 10 * STEPS)
+    total = len(ACTIVATIONS) + len(CASES) + len(DRIFTING) + len(lengths) * len(RATES) + 1
+    done = iter(range(1, total + 1))
+
+    def each_of(names: Iterable[T]) -> Iterator[T]:
+        for name in names:
+            yield name
+            progress(next(done), total)
+
+    progress(0, total)
+    cases = {case: {each: outcome(each, case) for each in ACTIVATIONS} for case in each_of(CASES)}
+    starts = {
+        each: look_at_start(each, *data, (15, 30, 20), STEPS) for each in each_of(ACTIVATIONS)
+    }
+    drifts = {each: drift(each, *data, 4 * STEPS) for each in each_of(DRIFTING)}
+    floors = {
+        steps: [loss_floor(*data, rate, steps) for rate in each_of(RATES)] for steps in lengths
+    }
+    (limits,) = [_limits(data) for _ in each_of(["limits"])]
     return Section(
         name,
         (page.draw_drift(drifts), page.draw_floor(RATES, floors)),

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import names_in, show_end, show_grids, study_options
+from gonio.cli._study import names_in, study_options
+from gonio.cli._study_end import show_end, show_grids, write_trainings
 
 if TYPE_CHECKING:
     from gonio.cli._study import Setting
@@ -18,7 +19,8 @@ ABOUT = (
     "The paper says neither how many steps a subset gets nor on which scale targets lie. Cells "
     "are eps8: the mean over the subsets of the median over the seeds, network 15-30-20. Kendall's "
     "tau is 1 where a setting ranks activations as the recipe does, -1 where it turns them over; "
-    "between the even and the odd seeds of one setting it says how much of that is chance."
+    "between the even and the odd seeds of one setting it says how much of that is chance. Equal "
+    "steps are left out where all subsets have as many anyway."
 )
 
 
@@ -39,7 +41,6 @@ def command(setting: Setting, *, activations: str | None) -> None:
     from gonio.report.study import summary_section, write_study
     from nnbrdf.activations import ACTIVATIONS
     from nnbrdf.studies import designs
-    from nnbrdf.studies.export import write_outcomes
 
     names = names_in(activations, list(ACTIVATIONS), "activation")
     designed = {
@@ -56,9 +57,9 @@ def command(setting: Setting, *, activations: str | None) -> None:
             for name in next(iter(ranked.values()))
         }
         sections.append(summary_section(errors))
-    write_outcomes(setting.folder / "results.csv", list(outcomes.values()))
+    write_trainings(setting, "targets", list(outcomes.values()))
     page = setting.folder / "targets.html"
-    write_study(page, TITLE, ABOUT, sections)
+    write_study(page, TITLE, ABOUT, sections, setting.notes)
     for section in sections:
         show_grids(section.title, section.grids)
     show_end(page, list(outcomes.values()))

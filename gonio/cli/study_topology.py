@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.cli._study import conclude, networks_in, study_options
+from gonio.cli._study import networks_in, study_options
+from gonio.cli._study_end import conclude
 
 if TYPE_CHECKING:
     from gonio.cli._study import Setting
@@ -35,7 +36,8 @@ def command(setting: Setting, *, networks: str | None) -> None:
     shapes = networks_in(networks) if networks else TOPOLOGIES
     outcomes = setting.train(partial(combinations, networks=shapes))
     conclude(
-        setting.folder / "topology.html",
+        setting,
+        "topology",
         TITLE,
         ABOUT,
         outcomes,

@@ -82,8 +82,25 @@ def summary_section(columns: Mapping[str, Sequence[Table]]) -> Section:
     return Section("All materials", (), (grid,))
 
 
-def write_study(target: Path, title: str, about: str, sections: Sequence[Section]) -> None:
+def write_study(
+    target: Path,
+    title: str,
+    about: str,
+    sections: Sequence[Section],
+    notes: Sequence[tuple[str, str]],
+) -> None:
     """Write the page, whole or not at all.
+
+    Parameters
+    ----------
+    target
+        Where to.
+    title, about
+        What the study is, in a word and in a paragraph.
+    sections
+        What it found.
+    notes
+        How it was made, each with its name; command, date and machine come by themselves.
 
     Raises
     ------
@@ -92,13 +109,17 @@ def write_study(target: Path, title: str, about: str, sections: Sequence[Section
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
+    from gonio.report.machine import made_by
     from gonio.report.provenance import versions
 
     environment = Environment(
         loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    content = {"title": title, "about": about, "sections": sections, "versions": versions()}
+    content = {
+        "title": title, "about": about, "sections": sections, "notes": [*notes, *made_by()],
+        "versions": versions(),
+    }  # fmt: skip
     page = environment.get_template("study.html").render(content)
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
 
@@ -114,13 +135,13 @@ def _race(results: Sequence[Result], name: str, time_name: str, field: str) -> D
 def _race_grid(subset: str, results: Sequence[Result]) -> Grid:
     head = (
         "",
-        "numbers",
+        "parameters",
         "eps8",
         "male",
         "cube-root RMSE",
         "sphere PSNR",
-        "fit (s)",
-        "million (s)",
+        "time of the fit (s)",
+        "time of 1,000,000 pairs (s)",
     )
     lines = tuple(
         Line(
@@ -141,8 +162,8 @@ def _line(row: Row, digits: int) -> Line:
         row.name,
         *(number(value, digits) for value in (*row.cells, row.mean)),
         "" if row.mean is None else str(row.rank),
-        "" if row.percent_above_best is None else f"{row.percent_above_best:.1f} %",
-        str(row.diverged) if row.diverged else "",
+        "" if row.percent_from_best is None else f"{row.percent_from_best:.1f} %",
+        str(row.diverged),
     )
     return Line(cells, best=row.rank == 1 and row.mean is not None)
 

@@ -84,11 +84,13 @@ def targets(
 ) -> dict[str, list[Job]]:
     """Return what the paper leaves unsaid, by the name of the setting.
 
-    Equal epochs or equal steps for all subsets, targets to 1 or to 255, and another white.
+    Equal epochs or equal steps for all subsets, targets to 1 or to 255, and another white. A
+    setting whose trainings are those of an earlier one, as equal steps are where all subsets have
+    one number of steps, is left out.
     """
     most = max(extent.steps_on(subset) for subset in extent.sizes)
     plain = combinations(truth, extent, activations=names, networks=PAPER_NETWORKS[:1])
-    return {
+    settings = {
         "as in the recipe": plain,
         "equal steps": [replace(job, steps=most) for job in plain],
         "targets to 255": [replace(job, top=255.0) for job in plain],
@@ -97,3 +99,5 @@ def targets(
         f"white x {scale:g}": [replace(job, white_scale=scale) for job in plain]
         for scale in WHITE_SCALES
     }
+    earliest = {tuple(jobs): name for name, jobs in reversed(settings.items())}
+    return {name: list(jobs) for jobs, name in reversed(earliest.items())}

@@ -7,6 +7,7 @@ import io
 from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
+from nnbrdf.studies.tables import BIGGER_IS_BETTER
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -43,11 +44,11 @@ def write_table(path: Path, tables: Sequence[Table]) -> None:
         *tables[0].columns,
         "mean",
         "rank",
-        "percent_above_best",
+        "percent_below_best" if tables[0].metric in BIGGER_IS_BETTER else "percent_above_best",
         "diverged",
     ]
     lines = [
-        [table.material, row.name, *row.cells, row.mean, row.rank, row.percent_above_best,
+        [table.material, row.name, *row.cells, row.mean, row.rank, row.percent_from_best,
          row.diverged]
         for table in tables
         for row in table.rows
@@ -63,7 +64,7 @@ def write_results(path: Path, results: Mapping[str, Sequence[Result]]) -> None:
     gonio.errors.StorageError
         When the operating system refuses.
     """
-    head = ["material", "name", "subset", "numbers", "eps8", "male", "cube_root_rmse",
+    head = ["material", "name", "subset", "parameters", "eps8", "male", "cube_root_rmse",
             "sphere_psnr_db", "fit_seconds", "million_seconds"]  # fmt: skip
     lines = [
         [material, one.name, one.subset, one.numbers, one.scores.eps8, one.scores.male,

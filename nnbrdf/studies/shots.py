@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from dataclasses import asdict, dataclass, fields
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -148,7 +149,11 @@ def read_shots(table: Path) -> list[Shot]:
         if tuple(reader.fieldnames or ()) != _NAMES:
             raise ValueError("it has other columns")
         kinds = {"shots": int, "eps8": float, "male": float, "seconds": float}
-        return [Shot(**{name: kinds.get(name, str)(row[name]) for name in _NAMES}) for row in rows]
+        shots = [Shot(**{name: kinds.get(name, str)(row[name]) for name in _NAMES}) for row in rows]
+        for line, shot in enumerate(shots, start=2):
+            if not all(0 <= each < math.inf for each in (shot.eps8, shot.male, shot.seconds)):
+                raise ValueError(f"line {line}: an error or a time is no number from 0")
+        return shots
     except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
         remedy = "delete it, or take another folder"
         raise BadFileError(table, f"is no table of this study ({error})", remedy) from None

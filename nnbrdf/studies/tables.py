@@ -30,8 +30,8 @@ class Row:
         Of the cells; None where a cell is.
     rank
         1 is the best; rows with no mean come last and share the last rank.
-    percent_above_best
-        Of the mean; None without one.
+    percent_from_best
+        How far the mean is from the best one; None without a mean.
     diverged
         How many trainings of all.
     """
@@ -40,7 +40,7 @@ class Row:
     cells: tuple[float | None, ...]
     mean: float | None
     rank: int
-    percent_above_best: float | None
+    percent_from_best: float | None
     diverged: int
 
 

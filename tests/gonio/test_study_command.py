@@ -3,11 +3,13 @@
 import csv
 import json
 import os
+import re
 import signal
 import statistics
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 QUICK = ("--subsets", "vs-is", "--seeds", "2", "--steps", "20")
@@ -24,9 +26,9 @@ def test_activations(gonio, tmp_path):
     assert "satin: eps8" in ran.stdout
     assert "matte-paint: eps8" in ran.stdout
     assert "All materials: mean rank over 2 materials" in ran.stdout
-    trainings = lines(tmp_path / "study" / "results.csv")
+    trainings = lines(tmp_path / "study" / "activations-trainings.csv")
     assert len(trainings) == 2 * 2 * 2
-    table = lines(tmp_path / "study" / "eps8.csv")
+    table = lines(tmp_path / "study" / "activations-eps8.csv")
     assert [row["name"] for row in table] == ["softsign", "gelu"] * 2
     assert {row["rank"] for row in table} == {"1", "2"}
     page = (tmp_path / "study" / "activations.html").read_text()
@@ -38,7 +40,7 @@ def test_names_may_be_written_in_capitals(gonio, tmp_path):
     ran = gonio("study", "activations", "satin", "--subsets", "VS-IS", "--seeds", "1", "--steps",
                 "5", "--activations", "SoftSign", "--networks", "3-6-4")  # fmt: skip
     assert (ran.returncode, ran.stderr) == (0, "")
-    (training,) = lines(tmp_path / "study" / "results.csv")
+    (training,) = lines(tmp_path / "study" / "activations-trainings.csv")
     assert (training["subset"], training["activation"]) == ("vs-is", "softsign")
 
 
@@ -48,7 +50,56 @@ def test_the_other_studies(gonio, tmp_path, name):
     ran = gonio("study", name, "satin", *QUICK, *few[name], "-o", "out")
     assert (ran.returncode, ran.stderr) == (0, "")
     assert (tmp_path / "out" / f"{name}.html").is_file()
-    assert len(lines(tmp_path / "out" / "results.csv")) >= 4 * 2
+    assert len(lines(tmp_path / "out" / f"{name}-trainings.csv")) >= 4 * 2
+
+
+def test_studies_of_one_folder_leave_each_others_tables_alone(gonio, tmp_path):
+    for study in ("activations", "topology"):
+        few = ("--activations", "relu") if study == "activations" else ()
+        assert gonio("study", study, "satin", *QUICK, *few, "--networks", "4").returncode == 0
+    (row,) = lines(tmp_path / "study" / "activations-eps8.csv")
+    assert row["name"] == "relu"
+    (row,) = lines(tmp_path / "study" / "topology-sphere_psnr_db.csv")
+    assert row["name"] == "4 (43)"
+    assert "percent_below_best" in row
+
+
+def test_the_page_says_how_it_was_made(gonio, tmp_path):
+    arguments = ("study", "activations", "satin", *QUICK, "--activations", "relu")
+    assert gonio(*arguments).returncode == 0
+    page = (tmp_path / "study" / "activations.html").read_text()
+    notes = dict(re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", page))
+    assert notes["command"] == " ".join(("gonio", *arguments))
+    assert notes["networks for each case"] == "2"
+    assert notes["length of training"] == "as --steps says (vs-is: 196 pairs, 20 steps)"
+    assert notes["white (1/sr)"].startswith("satin 0.")
+    assert {"trainer", "machine", "date", "eps8", "male"} < set(notes)
+
+
+def test_equal_steps_of_a_single_subset_are_not_repeated(gonio, tmp_path):
+    assert gonio("study", "targets", "satin", *QUICK, "--activations", "relu").returncode == 0
+    page = (tmp_path / "study" / "targets.html").read_text()
+    assert "targets to 255" in page
+    assert "equal steps<" not in page
+
+
+def test_names_given_twice_count_once(gonio, tmp_path):
+    ran = gonio("study", "activations", "satin", *QUICK, "--activations", "relu,relu",
+                "--networks", "4,4")  # fmt: skip
+    assert "2 trainings" in ran.stdout
+
+
+def test_a_long_training_stops_at_once(gonio, tmp_path):
+    command = [sys.executable, "-m", "gonio", "study", "activations", "satin", "--subsets", "vs-is",
+               "--steps", "1000000000", "--activations", "relu"]  # fmt: skip
+    results = tmp_path / "study" / "results.jsonl"
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not results.exists():
+        os.sched_yield()
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "stopped" in said
 
 
 def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
@@ -69,7 +120,7 @@ def test_analytic(gonio, tmp_path):
     assert [row["name"] for row in table] == names
     assert float(table[1]["male"]) < float(table[0]["male"])
     assert (tmp_path / "study" / "analytic.html").read_text().count("<svg") == 2
-    trainings = lines(tmp_path / "study" / "results.csv")
+    trainings = lines(tmp_path / "study" / "analytic-trainings.csv")
     assert len(trainings) == 2 * 2
     errors = [float(row["eps8"]) for row in trainings if row["hidden"] == "3-6-4"]
     assert float(table[3]["eps8"]) == pytest.approx(statistics.median(errors))
@@ -117,14 +168,22 @@ BAD = {
     "material": (("activations", "steel"), "material 'steel' is not known"),
     "file": (("activations", "none.npz"), "none.npz"),
     "twice": (("activations", "satin", "satin"), "two materials are called satin"),
+    "steps beyond all": (("activations", "satin", "--steps", "9" * 25), "1000000000"),
+    "epochs beyond all": (("activations", "satin", "--epochs", "9" * 25), "1000000"),
+    "seeds beyond all": (("activations", "satin", "--seeds", "1000000000000"), "1000"),
+    "black": (("activations", "black.npz"), "the largest value is 0"),
+    "tiny": (("analytic", "tiny.npz"), "check that values are in 1/sr"),
+    "huge": (("activations", "huge.npz"), "check that values are in 1/sr"),
     "folder": (("activations", "satin", "-o", "taken"), "taken is a file"),
-    "study": (("weather", "satin"), "No such command"),
+    "study": (("weather", "satin"), "use activations, encodings"),
 }
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD.values(), ids=BAD)
 def test_bad_input_is_one_line(gonio, tmp_path, arguments, message):
     (tmp_path / "taken").write_text("")
+    for name, scale in {"black": 0.0, "tiny": 1e-310, "huge": 1e35}.items():
+        np.savez(tmp_path / name, values=np.full((81, 81, 3), scale), white=1.0)
     ran = gonio("study", *arguments)
     assert ran.returncode == 2
     assert message in ran.stderr

@@ -105,7 +105,7 @@ def test_the_limits_hold_on_a_network():
 
 
 def test_a_larger_step_rests_higher_on_absolute_loss_and_never_explodes():
-    small, large, huge = loss_floor(*some_data(), (4e-3, 6e-2, 10.0), 6000)
+    small, large, huge = (loss_floor(*some_data(), rate, 6000) for rate in (4e-3, 6e-2, 10.0))
     assert small < large < huge < np.inf
 
 

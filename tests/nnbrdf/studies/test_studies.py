@@ -223,8 +223,8 @@ def test_cells_are_medians_and_ranks_go_by_their_mean():
     (table,) = tabulate(outcomes, "eps8", lambda job: job.activation)
     assert table.columns == ("4-3 s", "4-3 t")
     a, b = table.rows
-    assert (a.cells, a.mean, a.rank, a.percent_above_best) == ((2.0, 4.0), 3.0, 2, 50.0)
-    assert (b.cells, b.mean, b.rank, b.percent_above_best) == ((2.0, 2.0), 2.0, 1, 0.0)
+    assert (a.cells, a.mean, a.rank, a.percent_from_best) == ((2.0, 4.0), 3.0, 2, 50.0)
+    assert (b.cells, b.mean, b.rank, b.percent_from_best) == ((2.0, 2.0), 2.0, 1, 0.0)
     assert ranking(table) == ["b", "a"]
     (table,) = tabulate(outcomes, "sphere_psnr_db", lambda job: job.activation)
     assert ranking(table) == ["a", "b"]  # of decibels, more is better
