@@ -2,6 +2,7 @@ VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
 
 .PHONY: help setup demo test bench bench-evaluate calibration few-shots docs format clean
@@ -14,7 +15,9 @@ setup: $(STAMP)  ## a virtual environment with everything in it
 $(STAMP): pyproject.toml constraints.txt $(KERNEL)
 	@echo "installing gonio and its tools into $(VENV); this takes a minute or two"
 	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/pip install -qq --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
+	@rm -f $(LOG)
+	@$(BIN)/pip install -qq --log $(LOG) --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
+	@sed -n 's/.*\(gonio was installed without\)/\1/p' $(LOG)
 	@touch $@
 
 demo: setup      ## plan, capture on the simulated rig, reconstruct; then open demo/session/report.html

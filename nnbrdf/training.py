@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -89,10 +90,7 @@ def make_trainer(
     if name == "fused":
         return fused.FusedTrainer(networks, inputs, targets, seeds, rate)
     if trainer is None:
-        _log.warning(
-            "no compiled trainer here, so torch trains, some 40 times slower; for the other, "
-            "install a C++ compiler and gonio again"
-        )
+        _warn_of_torch()
     try:
         import torch
 
@@ -105,6 +103,15 @@ def make_trainer(
         raise BadInputError("trainer cuda finds no GPU here; use fused or torch")
     device = "cuda" if name == "cuda" else "cpu"
     return BatchedTrainer(networks, inputs, targets, seeds, rate, device)
+
+
+@cache
+def _warn_of_torch() -> None:
+    """Say it once a process, however many networks are trained."""
+    _log.warning(
+        "no compiled trainer here, so torch trains, some 40 times slower; for the other, "
+        "install a C++ compiler and gonio again"
+    )
 
 
 def train(

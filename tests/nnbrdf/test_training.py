@@ -1,5 +1,8 @@
 """Both trainers through one door: what a training does, whoever does it."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import torch
@@ -201,3 +204,18 @@ def test_losses_are_each_members_own_and_what_diverged_has_none():
     ends = losses(outputs.astype(np.float32), np.ones((2, 2)))
     assert ends[:2].tolist() == [1.5, 0.0]
     assert not np.isfinite(ends[2])
+
+
+def test_without_the_kernel_it_says_so_once_however_many_are_trained():
+    program = (
+        "import sys; sys.modules['nnbrdf._fused'] = None\n"
+        "import numpy as np\n"
+        "from nnbrdf.network import glorot_uniform\n"
+        "from nnbrdf.training import train\n"
+        "start = glorot_uniform((2, 3, 1), [np.random.default_rng(0)])\n"
+        "for _ in range(3):\n"
+        "    train(start, np.ones((9, 2)), np.ones((9, 1)), 2, [0])\n"
+    )
+    command = [sys.executable, "-c", program]
+    ran = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert ran.stderr.count("no compiled trainer here, so torch trains, some 40 times slower") == 1
