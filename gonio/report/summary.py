@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 NOT_KNOWN = "not known: a rig has no truth"
 GRID_PAIRS = len(paper_directions()) ** 2
+# an axis stands within hundredths of a degree of where it was sent
+_SAME = np.radians(0.1)
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,9 @@ class Summary:
         How many numbers the model is made of.
     shots
         Number of samples.
+    pairs
+        Number of different pairs of light and view among them; an exchanged pair is another one,
+        as in the full set.
     """
 
     against_truth: tuple[Row, ...]
@@ -58,6 +63,7 @@ class Summary:
     coverage: float | None
     weights: int
     shots: int
+    pairs: int
 
     @property
     def error(self) -> Row | None:
@@ -66,8 +72,8 @@ class Summary:
 
     @property
     def share(self) -> float:
-        """Number of samples over the 6561 pairs of the full set."""
-        return self.shots / GRID_PAIRS
+        """Number of different pairs over the 6561 of the full set."""
+        return self.pairs / GRID_PAIRS
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Return name, eps8 and male as a person reads them, for terminal and page."""
@@ -126,7 +132,18 @@ def summarize(model: Path, samples: Samples, truth: MeasuredTable | None) -> Sum
         coverage=None if truth is None else _coverage(estimate, truth),
         weights=estimate.card.weights,
         shots=len(samples),
+        pairs=_different_pairs(samples),
     )
+
+
+def _different_pairs(samples: Samples) -> int:
+    """Count the pairs of directions, those once that are within 0.1 deg of one before."""
+    from scipy.spatial import KDTree
+
+    # without the exact repeats first, which would be too many for the tree
+    pairs = np.unique(np.hstack([samples.light, samples.view]), axis=0)
+    near = KDTree(pairs).query_pairs(_SAME, output_type="ndarray")
+    return len(pairs) - len(np.unique(near[:, 1]))
 
 
 def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[Row, ...]:

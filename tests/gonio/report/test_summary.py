@@ -1,10 +1,11 @@
 import io
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from gonio.directions import normalize
 from gonio.materials import MeasuredTable
 from gonio.report import summarize
 from gonio.report.summary import NOT_KNOWN
@@ -73,6 +74,30 @@ def test_the_residual_needs_no_truth(measure, channels):
     assert (summary.error, summary.coverage) == (None, None)
     assert (summary.shots, summary.share) == (16, 16 / 6561)
     assert summary.weights == 6 * 4 + 4 + 4 * len(channels) + len(channels)
+
+
+def again(samples, light, view):
+    """Return samples with some more: the first two once again, from these directions."""
+    rows = {f.name: getattr(samples, f.name) for f in fields(samples)}
+    more = {
+        name: np.concatenate([rows[name], rows[name][:2]])
+        for name in rows
+        if isinstance(rows[name], np.ndarray)
+    }
+    more["light"][-2:], more["view"][-2:] = light, view
+    return replace(samples, **more)
+
+
+@pytest.mark.parametrize(("exchanged", "pairs"), [(False, 16), (True, 18)])
+def test_the_share_counts_different_pairs(measure, exchanged, pairs):
+    session, samples = measure(truth=False)
+    twice = slice(0, 2)
+    # an encoder never comes to stand on the same count
+    light = normalize(samples.light[twice] + 1e-4)
+    view = samples.view[twice]
+    more = again(samples, view, light) if exchanged else again(samples, light, view)
+    summary = summarize(session.model, more, None)
+    assert (summary.shots, summary.share) == (18, pairs / 6561)
 
 
 def test_a_rig_without_truth_says_so_in_the_table(measure):
