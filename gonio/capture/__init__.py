@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from gonio.capture.instrument import Instrument, Operator
-from gonio.capture.run import WHITE_POSE_DEG, Capture
+from gonio.capture.run import WHITE_POSE_DEG, Capture, check_reach, check_space
 
-__all__ = ["WHITE_POSE_DEG", "Capture", "Instrument", "Operator"]
+__all__ = [
+    "WHITE_POSE_DEG", "Capture", "Instrument", "Operator", "check_reach", "check_space"
+]  # fmt: skip

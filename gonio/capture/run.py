@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 from typing import TYPE_CHECKING
 
@@ -85,7 +86,7 @@ class Capture:
         todo = [(shot, frames) for shot, frames in shots if frames]
         total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
         check_reach(self._plan, self._rig)
-        check_space(self._session.root, total, self._rig)
+        check_space(self._session.root, total, self._rig, self._space_remedy())
         if not total:
             return 0
         counter = _Counter(total, progress)
@@ -98,6 +99,12 @@ class Capture:
                 self._take_shot(shot, frames, counter)
         self._note("finished")
         return total
+
+    def _space_remedy(self) -> str:
+        root = self._session.root
+        if self._journal.frames():
+            return "free some space"
+        return f"free some space, or remove the session with: {shlex.join(['rm', '-r', str(root)])}"
 
     def _calibrate(
         self, dark: Sequence[Wanted], white: Sequence[Wanted], counter: _Counter
@@ -180,17 +187,18 @@ def check_reach(plan: Plan, rig: Rig) -> None:
             rig.check_reach(name, shot.axis_deg(name))
 
 
-def check_space(folder: Path, frames: int, rig: Rig) -> None:
-    """Refuse a capture that the disk will not hold.
+def check_space(folder: Path, frames: int, rig: Rig, remedy: str) -> None:
+    """Refuse a capture that the disk of `folder`, which need not be there yet, will not hold.
 
     Raises
     ------
     gonio.errors.StorageError
-        Saying how much is needed and how much there is.
+        Saying how much is needed, how much there is, and `remedy`.
     """
-    need, free = frames * frame_bytes(rig) + _SPARE_BYTES, shutil.disk_usage(folder).free
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    need, free = frames * frame_bytes(rig) + _SPARE_BYTES, shutil.disk_usage(there).free
     if frames and need > free:
         raise StorageError(
             f"{folder}: the capture needs {need / 1e9:.2f} GB and the disk has {free / 1e9:.2f} GB "
-            "free; free some space or choose another folder with -o"
+            f"free; {remedy}"
         )

@@ -151,6 +151,7 @@ def _created(
     seed: int | None,
     said: dict[str, Any],
 ) -> tuple[Session, TwinSettings]:
+    from gonio.capture import check_reach, check_space
     from gonio.cli._twin import TwinSettings, remember
     from gonio.creation import create_session
     from gonio.materials import reference_material
@@ -162,11 +163,14 @@ def _created(
     rig = load_rig(rig_path) if rig_path else default_rig()
     rig_text = rig_path.read_text(encoding="utf-8") if rig_path else default_rig_text()
     notes = check(Notes, said, Path("notes"), "correct the option of that name")
-    # a bad material is refused before anything is written
+    # what cannot be measured is refused before anything is written
     carried = load_material(material or _MATERIAL)
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
     plan = _plan_for(plan_path, rig)
+    check_reach(plan, rig)
+    remedy = "free some space or choose another folder with -o"
+    check_space(root, plan.estimates.frames, rig, remedy)
     session = create_session(
         root, plan, rig_text, notes, lambda session: remember(session, settings, carried)
     )

@@ -1,8 +1,11 @@
 """What a capture that something ended says: how to go on."""
 
+import sys
+
 import pytest
 
 from gonio.capture import Capture, Instrument
+from gonio.cli import main
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
 from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
@@ -58,7 +61,33 @@ def test_a_full_disk(start, tmp_path, monkeypatch):
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
     with pytest.raises(StorageError) as caught:
         start()
+    assert str(caught.value).endswith(f"or remove the session with: rm -r '{tmp_path}/a b'")
     assert told(caught.value, tmp_path)
+
+
+REFUSED = {
+    "a full disk": ((), 3, "free; free some space or choose another folder with -o\n"),
+    "out of reach": (("--rig", "short.toml"), 2, "view_theta 45 deg is beyond the axis' travel"),
+}
+
+
+@pytest.mark.parametrize(("options", "code", "says"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_measured_leaves_nothing_behind(
+    tmp_path, monkeypatch, capsys, options, code, says
+):
+    if not options:
+        usage = type("Usage", (), {"free": 1000})()
+        monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.toml").write_text(RIG.replace("max_deg = 91.0", "max_deg = 44.0", 1))
+    make_plan(default_rig()).save(tmp_path / "plan.json")
+    before = sorted(tmp_path.iterdir())
+    monkeypatch.setattr(sys, "argv", ["gonio", "capture", "--sim", "-o", "a/b", *options])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    assert caught.value.code == code
+    assert says in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_a_plan_out_of_reach_is_not_gone_on_with(start):

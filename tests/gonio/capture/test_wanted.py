@@ -92,9 +92,9 @@ def test_a_plan_out_of_reach_is_refused_by_axis(plan):
 def test_a_disk_too_small_is_refused_before_anything_moves(tmp_path, monkeypatch):
     usage = type("Usage", (), {"free": 60_000_000})()
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
-    check_space(tmp_path, 10, default_rig())
-    with pytest.raises(StorageError, match=r"needs 0\.10 GB"):
-        check_space(tmp_path, 1000, default_rig())
+    check_space(tmp_path / "a" / "b", 10, default_rig(), "free some")
+    with pytest.raises(StorageError, match=r"needs 0\.10 GB.*; free some"):
+        check_space(tmp_path / "a" / "b", 1000, default_rig(), "free some")
 
 
 def test_journal_and_frames_survive_reopening(session, plan):
