@@ -79,6 +79,11 @@ class Session:
         return self.root / "calibration"
 
     @property
+    def reference_path(self) -> Path:
+        """The table of the white reference, where the rig file names one."""
+        return self.calibration / "reference.npz"
+
+    @property
     def raw(self) -> Path:
         """Folder of the shots' frames."""
         return self.root / "raw"

@@ -15,6 +15,7 @@ from gonio.clock import VirtualClock
 from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
 from gonio.errors import ResumeRefusedError
 from gonio.files import sha256_file, write_json
+from gonio.reference import rig_with_reference
 from gonio.validation import Document, check, parse_json, read_text
 from sim.camera import SimCamera
 from sim.materials import load_material
@@ -92,7 +93,7 @@ def recall(session: Session, material: str | None, seed: int | None) -> TwinSett
 @contextlib.contextmanager
 def simulated(session: Session, settings: TwinSettings) -> Iterator[tuple[Instrument, SimOperator]]:
     """Put the twin together, on a clock that goes on where the session's journal ends."""
-    rig = session.rig()
+    rig = rig_with_reference(session)
     frames = session.sim / "frames"
     frames.mkdir(parents=True, exist_ok=True)
     clock = VirtualClock(_last_time(session))

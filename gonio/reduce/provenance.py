@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.reference import kept_reference
 from gonio.samples import Samples
 
 if TYPE_CHECKING:
@@ -17,13 +18,15 @@ if TYPE_CHECKING:
 
 
 def provenance_of(session: Session, used: Iterable[FrameRecord]) -> dict[str, str]:
-    """Return the SHA-256 of plan, rig and the records of the frames that were used."""
+    """Return the SHA-256 of plan, rig, reference table and the records of the frames used."""
     records = sorted(used, key=lambda record: record.file)
     frames = [record.model_dump(mode="json") for record in records]
+    reference = kept_reference(session)
     return {
         "plan": session.plan().sha256,
         "rig": session.rig().sha256,
         "frames": sha256_bytes(canonical_json(frames)),
+        **({"reference": reference.sha256} if reference else {}),
     }
 
 

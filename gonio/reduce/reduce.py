@@ -17,6 +17,7 @@ from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
 from gonio.reduce.provenance import provenance_of
 from gonio.reduce.reading import take_reading
+from gonio.reference import rig_with_reference
 from gonio.samples import Flag, Samples
 from gonio.timemodel import exposures_of
 
@@ -68,7 +69,7 @@ def reduce_session(
         When the session can only be read, or the samples cannot be written.
     """
     session.check_writable("copy it to a folder that can be written, and reduce the copy")
-    rig, shots = session.rig(), session.plan().shots
+    rig, shots = rig_with_reference(session), session.plan().shots
     with session.journal() as journal:
         records = journal.frames()
     if not any(record.role == "shot" for record in records):

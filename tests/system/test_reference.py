@@ -1,0 +1,60 @@
+"""A white reference given by a table: the session keeps its own copy, and uses no other."""
+
+import json
+
+import numpy as np
+import pytest
+
+from gonio.files import sha256_file
+from gonio.materials import MeasuredTable
+from gonio.rig import default_rig_text
+from gonio.samples import Samples
+
+
+def white_table(factor):
+    return MeasuredTable.of(np.full((81, 81, 3), factor / np.pi))
+
+
+@pytest.fixture
+def captured(gonio, tmp_path):
+    """Capture four shots with a table as the white reference."""
+    rig = default_rig_text().replace("reference = 0.99", 'reference = "white.npz"')
+    assert rig != default_rig_text()
+    (tmp_path / "rig.toml").write_text(rig)
+    white_table(0.9).save(tmp_path / "white.npz")
+    assert gonio("plan", "--density", "2", "--rig", "rig.toml").returncode == 0
+    ran = gonio("capture", "--sim", "--rig", "rig.toml")
+    assert ran.returncode == 0, ran.stderr
+    return tmp_path / "session"
+
+
+def test_the_session_keeps_and_reads_its_own_copy(gonio, captured, tmp_path):
+    copy = captured / "calibration/reference.npz"
+    noted = json.loads(copy.with_suffix(".json").read_text())
+    assert noted == {"named": "white.npz", "sha256": sha256_file(copy)}
+    assert gonio("reduce", "session").returncode == 0
+    before = Samples.load(captured / "samples.nc")
+    assert before.provenance["reference"] == noted["sha256"]
+    white_table(0.45).save(tmp_path / "white.npz")
+    assert gonio("reduce", "session").returncode == 0
+    np.testing.assert_array_equal(Samples.load(captured / "samples.nc").value, before.value)
+    (tmp_path / "white.npz").unlink()
+    next((captured / "raw").iterdir()).unlink()
+    ran = gonio("capture", "--sim", "--resume")
+    assert ran.returncode == 0, ran.stderr
+
+
+SPOILED = {
+    "changed": lambda copy: white_table(0.45).save(copy),
+    "gone": lambda copy: copy.unlink(),
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILED.values(), ids=SPOILED)
+def test_another_copy_is_refused(gonio, captured, spoil):
+    spoil(captured / "calibration/reference.npz")
+    for command in (("reduce", "session"), ("capture", "--sim", "--resume")):
+        ran = gonio(*command)
+        assert ran.returncode == 2
+        assert "reference.npz: is not the white reference that the session was begun" in ran.stderr
+        assert ran.stderr.count("\n") == 1
