@@ -12,9 +12,9 @@ from pydantic import Field, model_validator
 from gonio.files import write_json
 from gonio.validation import Document
 from nnbrdf.card import CARD_NAME, read_document
-from nnbrdf.ensemble import GRID_CHANNELS
+from nnbrdf.ensemble import GRID_CHANNELS, grid_pairs
 from nnbrdf.findings import Findings, findings_of
-from nnbrdf.folder import PRIOR_NAME, grid_of, save_model, write_grid
+from nnbrdf.folder import PRIOR_NAME, save_model, write_grid
 from nnbrdf.prior.family import Settings
 from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.infer import Inference, infer
@@ -136,7 +136,13 @@ class PosteriorBRDF:
 
     def grid(self) -> dict[str, NDArray[np.float32]]:
         """Return `values`, `sigma`, `lo` and `hi` on the 81 x 81 grid, shape (81, 81, 3) each."""
-        return grid_of(self)
+        light, view = grid_pairs()
+        told = self._told(light, view)
+        low, high = told.quantiles
+        arrays = {"values": told.median, "sigma": told.sigma, "lo": low, "hi": high}
+        return {
+            name: _shaped(array, light, view).astype(np.float32) for name, array in arrays.items()
+        }
 
     def save(self, folder: Path | str) -> None:
         """Write `weights.safetensors`, `model.json`, `prior.npz` and `grid.npz`."""

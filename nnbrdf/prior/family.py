@@ -164,12 +164,23 @@ class Family:
 
     def covariances(self, a: Traits, b: Traits, stretch: float) -> Parts:
         """Return the covariances between pairs, part by part, shape (len(a), len(b)) each."""
-        scales = ISOTROPIC_SCALES if self.isotropic else ANISOTROPIC_SCALES
         return Parts(
-            (a.examples @ b.examples.T)[np.ix_(a.which, b.which)] + EXPOSURE,
-            matern(a.features, b.features, scales * stretch),
+            self._of_examples(a, b),
+            self._smooth(a, b, stretch),
             exchange(a.pairs, b.pairs, isotropic=self.isotropic),
         )
+
+    def covariance(self, a: Traits, b: Traits, settings: Settings) -> Array:
+        """Return the covariance between pairs, shape (len(a), len(b)), of what counts alone."""
+        total = self._of_examples(a, b)
+        smooth = self._smooth(a, b, settings.stretch)
+        smooth *= settings.smooth
+        total += smooth
+        if settings.exchange:
+            breach = exchange(a.pairs, b.pairs, isotropic=self.isotropic)
+            breach *= settings.exchange
+            total += breach
+        return total
 
     def variances(self, traits: Traits) -> Parts:
         """Return the prior variance at each pair, part by part, shape (n,) each."""
@@ -178,6 +189,15 @@ class Family:
             np.ones(len(traits.pairs)),
             exchange_variance(traits.pairs, isotropic=self.isotropic),
         )
+
+    def _of_examples(self, a: Traits, b: Traits) -> Array:
+        total = a.examples @ b.examples.T
+        total += EXPOSURE
+        return np.asarray(total[a.which][:, b.which])
+
+    def _smooth(self, a: Traits, b: Traits, stretch: float) -> Array:
+        scales = ISOTROPIC_SCALES if self.isotropic else ANISOTROPIC_SCALES
+        return matern(a.features, b.features, scales * stretch)
 
     def _evaluate(self, pairs: Pairs) -> Array:
         learned = [each.evaluate(pairs)[:, None] for each in self.learned]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.samples import WHITE_PER_MEDIAN, Flag
+from nnbrdf.cores import threads_for
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.log import OFFSET
@@ -74,7 +75,11 @@ def infer(families: Sequence[Family], samples: Samples) -> Inference:
     say of it is given its residual as noise: it may be a gross error or a peak that no other sample
     announces, and in either case says little of its neighbors.
     """
-    sites = Sites(families, Pairs.of(samples.light, samples.view))
+    with threads_for(len(samples)):
+        return _infer(Sites(families, Pairs.of(samples.light, samples.view)), samples)
+
+
+def _infer(sites: Sites, samples: Samples) -> Inference:
     scale = samples.white
     clipped = np.asarray((samples.flag & Flag.CLIPPED).astype(bool).any(axis=1))
     doubt = np.zeros(len(samples))
@@ -85,15 +90,13 @@ def infer(families: Sequence[Family], samples: Samples) -> Inference:
         noise = np.where(bounds, _IGNORED, _noise(samples, scale) + doubt)
         posterior = sites.condition(log, noise, thorough=not remaining)
         if remaining:
-            residual, variance = posterior.best.leave_one_out(log)
+            residual, variance = posterior.best.leave_one_out()
             squared = (residual**2).mean(axis=1)
             bounds = np.asarray(clipped & (residual.mean(axis=1) < 0))
             far = squared > _FAR**2 * (variance - doubt).clip(_LEAST)
             doubt = np.where(far & ~clipped, squared, 0.0)
             scale = _scale(posterior, scale)
-    return Inference(
-        posterior, scale, _inflation(posterior, log, bounds), doubt > 0, bounds, log, noise
-    )
+    return Inference(posterior, scale, _inflation(posterior, bounds), doubt > 0, bounds, log, noise)
 
 
 def _noise(samples: Samples, scale: float) -> Array:
@@ -109,8 +112,8 @@ def _scale(posterior: Posterior, scale: float) -> float:
     return WHITE_PER_MEDIAN * scale * float((np.exp(np.median(mean)) - OFFSET).clip(OFFSET / 10))
 
 
-def _inflation(posterior: Posterior, log: Array, ignored: NDArray[np.bool_]) -> float:
+def _inflation(posterior: Posterior, ignored: NDArray[np.bool_]) -> float:
     """Return by how much residuals of samples left out in turn pass what was expected of them."""
-    residual, variance = posterior.best.leave_one_out(log)
+    residual, variance = posterior.best.leave_one_out()
     scores = np.abs(residual / np.sqrt(variance)[:, None])[~ignored]
     return float(np.clip(np.quantile(scores, 0.9) / _Z90, *_SPREAD))

@@ -52,10 +52,13 @@ def anisotropic_features(pairs: Pairs) -> Array:
 
 def matern(a: Array, b: Array, scales: Array) -> Array:
     """Return the Matern covariance of order 3/2 and unit variance, shape (len(a), len(b))."""
-    a, b = a / scales, b / scales
-    squared = (a**2).sum(1)[:, None] + (b**2).sum(1) - 2 * a @ b.T
-    distance = np.sqrt(3 * squared.clip(0.0))
-    return np.asarray((1 + distance) * np.exp(-distance))
+    a, b = np.sqrt(3) * a / scales, np.sqrt(3) * b / scales
+    distance = _squared_distance(a, b)
+    np.sqrt(distance, out=distance)
+    result = np.exp(-distance)
+    distance += 1
+    result *= distance
+    return result
 
 
 def exchange(a: Pairs, b: Pairs, *, isotropic: bool) -> Array:
@@ -64,18 +67,34 @@ def exchange(a: Pairs, b: Pairs, *, isotropic: bool) -> Array:
     c is a smooth random function of one direction (of its polar angle alone where `isotropic`),
     scaled to half the variance each; shape (len(a), len(b)).
     """
+    tilts, scale = (_polar, _POLAR_SCALE) if isotropic else (_tilt, _TILT_SCALE)
 
-    def smooth(u: Array, w: Array) -> Array:
-        if isotropic:
-            u, w = np.arccos(u[:, 2:].clip(-1, 1)), np.arccos(w[:, 2:].clip(-1, 1))
-            scale = _POLAR_SCALE
-        else:
-            u, w, scale = u[:, :2], w[:, :2], _TILT_SCALE
-        squared = (u**2).sum(1)[:, None] + (w**2).sum(1) - 2 * u @ w.T
-        return np.asarray(np.exp(-0.5 * squared.clip(0.0) / scale**2))
+    def between(pairs: Pairs) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+        both = tilts(np.concatenate([pairs.light, pairs.view]))
+        # a rig goes to few directions many times
+        distinct, which = np.unique(both, axis=0, return_inverse=True)
+        light, view = which.reshape(2, -1)
+        return distinct, light, view
 
-    same = smooth(a.light, b.light) + smooth(a.view, b.view)
-    return 0.5 * (same - smooth(a.light, b.view) - smooth(a.view, b.light))
+    (u, u_light, u_view), (w, w_light, w_view) = between(a), between(b)
+    smooth = 0.5 * np.exp(-0.5 * _squared_distance(u, w) / scale**2)
+    rows = smooth[u_light] - smooth[u_view]
+    return np.asarray(rows[:, w_light] - rows[:, w_view])
+
+
+def _polar(directions: Array) -> Array:
+    return np.asarray(np.arccos(directions[:, 2:].clip(-1, 1)))
+
+
+def _tilt(directions: Array) -> Array:
+    return directions[:, :2]
+
+
+def _squared_distance(a: Array, b: Array) -> Array:
+    squared = a @ (-2 * b.T)
+    squared += (a**2).sum(1)[:, None]
+    squared += (b**2).sum(1)
+    return np.maximum(squared, 0.0, out=squared)
 
 
 def _cosines(pairs: Pairs) -> tuple[Array, Array]:

@@ -172,6 +172,6 @@ def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[Array, NDArray[np.
 
     def column(index: int) -> Array:
         one = traits.part(np.array([index]))
-        return family.covariances(traits, one, 1.0).total(_EXPECTED)[:, 0]
+        return family.covariance(traits, one, _EXPECTED)[:, 0]
 
     return pivoted_cholesky(variance, column, rank), which

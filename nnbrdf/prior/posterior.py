@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from nnbrdf.cores import threads_for
 from nnbrdf.prior.family import Family, Parts, Settings, Traits
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ _COUNTS = 0.02
 _KEPT = 4
 _CLEAR = 3.0
 _CERTAIN = 1e6
-_CHUNK = 10_000
+_CHUNK = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -74,22 +75,24 @@ class Component:
         """
         from scipy.linalg import solve_triangular
 
-        cross = self.family.covariances(traits, self.traits, self.settings.stretch)
-        covariance = cross.total(self.settings)
-        known = solve_triangular(self.cholesky, covariance.T, lower=True, check_finite=False)
+        covariance = self.family.covariance(self.traits, traits, self.settings)
         prior = self.family.variances(traits).total(self.settings)
-        mean = traits.mean[:, None] + covariance @ self.weights
-        return mean, (prior - (known**2).sum(0)).clip(0.0) + self.settings.noise
+        mean = traits.mean[:, None] + covariance.T @ self.weights
+        known = solve_triangular(
+            self.cholesky, covariance, lower=True, overwrite_b=True, check_finite=False
+        )
+        left = prior - np.einsum("ij,ij->j", known, known)
+        return mean, left.clip(0.0) + self.settings.noise
 
-    def leave_one_out(self, log: Array) -> tuple[Array, Array]:
+    def leave_one_out(self) -> tuple[Array, Array]:
         """Return the residual of each sample against all others, (n, channels), and its variance.
 
         Rasmussen and Williams (2006), equations 5.10 to 5.12; the variance has the noise in it.
         """
-        from scipy.linalg import solve_triangular
+        from scipy.linalg.lapack import dtrtri
 
-        inverse = solve_triangular(self.cholesky, np.eye(len(log)), lower=True, check_finite=False)
-        precision = (inverse**2).sum(0)
+        inverse, _ = dtrtri(self.cholesky, lower=1)
+        precision = np.einsum("ij,ij->j", inverse, inverse)
         return self.weights / precision[:, None], 1 / precision
 
 
@@ -135,9 +138,10 @@ class Posterior:
 
     def predict(self, pairs: Pairs) -> tuple[Array, Array]:
         """Return mean, shape (n, channels), and standard deviation, alike, of the logarithm."""
+        chunk = max(_CHUNK // len(self.best.cholesky), 1)
         parts = [
-            self._predict(pairs.part(slice(start, start + _CHUNK)))
-            for start in range(0, len(pairs), _CHUNK)
+            self._predict(pairs.part(slice(start, start + chunk)))
+            for start in range(0, len(pairs), chunk)
         ]
         mean, deviation = zip(*parts, strict=True)
         return np.concatenate(mean), np.concatenate(deviation)
@@ -174,6 +178,7 @@ class Sites:
         count = len(pairs)
         self._judges = np.unique(np.linspace(0, count - 1, _JUDGES).round().astype(np.int64))
         self._many = count > _JUDGES
+        self._last: tuple[object, Array] | None = None
 
     @cached_property
     def _parts(self) -> list[tuple[Family, Array, float, Parts]]:
@@ -198,7 +203,8 @@ class Sites:
             Else only every other value of breach and noise is tried, in a quarter of the time.
         """
         step = 1 if thorough else 2
-        judged = self._judge(log[self._judges], noise[self._judges], step)
+        with threads_for(len(self._judges)):
+            judged = self._judge(log[self._judges], noise[self._judges], step)
         best = judged[0][0]
         limit = 1 if self._many else _KEPT
         kept = [each for each in judged[:limit] if np.exp(each[0] - best) > _COUNTS]
@@ -235,10 +241,17 @@ class Sites:
         from scipy.linalg import cho_solve
 
         family, traits = next(each for each in self._traits if each[0].name == name)
-        covariance = family.covariances(traits, traits, settings.stretch).total(settings)
+        covariance = self._covariance(family, traits, settings)
         lower, jitter = _cholesky(covariance, settings.noise + noise)
         weights = cho_solve((lower, True), log - traits.mean[:, None], check_finite=False)
         return Component(family, settings, traits, lower, weights, jitter)
+
+    def _covariance(self, family: Family, traits: Traits, settings: Settings) -> Array:
+        """Return the covariance of all samples; of many, the last is kept for the next round."""
+        key = family.name, settings._replace(noise=0.0)
+        if self._last is None or self._last[0] != key:
+            self._last = key, family.covariance(traits, traits, settings)
+        return self._last[1]
 
 
 def _odds(judged: list[tuple[float, Family, Settings]]) -> Odds:
@@ -286,7 +299,8 @@ def _cholesky(covariance: Array, noise: Array) -> tuple[Array, float]:
     jitter = 0.0
     while True:
         try:
-            total = covariance + np.diag(noise + jitter)
-            return np.asarray(cholesky(total, lower=True, check_finite=False)), jitter
+            total = covariance.copy(order="F")
+            total.flat[:: len(total) + 1] += noise + jitter
+            return cholesky(total, lower=True, overwrite_a=True, check_finite=False), jitter
         except LinAlgError:
             jitter = max(10 * jitter, 1e-10 * float(np.trace(covariance)) / len(covariance))
