@@ -5,7 +5,7 @@ STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration few-shots docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration few-shots left-out docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -41,6 +41,9 @@ bench-evaluate: setup  ## evaluation time: NumPy, kernel, compiled GGX, on one c
 
 calibration: setup  ## does the band hold nine of ten, over 1000 materials (6 minutes)
 	$(BIN)/python tests/benchmarks/study_calibration.py
+
+left-out: setup  ## what leaving out saves and costs, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_left_out.py $(MATERIALS)
 
 few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 FILE_NAME = "compare.csv"
+DEFAULT, GENERAL = "nn", "nn --general"
+"""Entries of the default estimator, and of the same with nothing left out by evidence."""
 _REMEDY = "make it again with: gonio reconstruct --compare"
 
 Against = Literal["truth", "held out"]

@@ -124,7 +124,8 @@ class TaughtEstimator:
         unknown = float(lesson.deviation.mean())
         value, error = self._learn(inputs, lesson.mean, unknown, progress)
         # what the network misses of its lesson is one more thing that is not known
-        deviation = np.sqrt(lesson.deviation.mean(axis=1, keepdims=True) ** 2 + error**2)
+        missed = float(((value.forward(inputs)[0] - lesson.mean) ** 2).mean())
+        deviation = np.sqrt(lesson.deviation.mean(axis=1, keepdims=True) ** 2 + missed)
         log = np.log(deviation.clip(_LEAST_SPREAD))
         spread, _ = self._train(inputs, log, SPREAD_HIDDEN, 1, None)
         tint = np.ones(len(samples.channels)) if factor is None else factor

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _COLORS = (ACCENT, TRUTH, CHANNELS[1], CHANNELS[0], INK, MUTED)
 _MARKS = "osD^vP"
+_GRID = 81 * 81 * 3
 
 
 def shots_section(title: str, shots: Sequence[Shot]) -> Section:
@@ -49,20 +50,32 @@ def shots_section(title: str, shots: Sequence[Shot]) -> Section:
     }
     drawings = [_curves(title, methods, counts, table, metric) for metric in ("eps8", "male")]
     drawings.append(_race(title, table))
+    with_off = all(shot.off_eps8 is not None for shot in shots)
     lines = tuple(
-        Line((f"{method}, {count}", *_cells(table[method, count])), best=False)
+        Line((f"{method}, {count}", *_cells(table[method, count], with_off)), best=False)
         for method in methods
         for count in counts
     )
-    head = ("method, shots", "eps8", "male", "seconds")
+    head = (
+        "method, shots", "eps8", "male", *(("eps8 off grid", "male off grid") if with_off else ()),
+        "seconds", "numbers kept", "compression of the grid",
+    )  # fmt: skip
     return Section(title, tuple(drawings), (Grid("error and time", head, lines),))
 
 
-def _cells(group: Sequence[Shot]) -> tuple[str, str, str]:
+def _cells(group: Sequence[Shot], with_off: bool) -> tuple[str, ...]:
+    numbers = mean(s.numbers for s in group)
+    off = (
+        f"{mean(s.off_eps8 or 0.0 for s in group):.2f}",
+        f"{mean(s.off_male or 0.0 for s in group):.3f}",
+    )
     return (
         f"{mean(s.eps8 for s in group):.2f}",
         f"{mean(s.male for s in group):.3f}",
+        *(off if with_off else ()),
         f"{mean(s.seconds for s in group):.2f}",
+        f"{numbers:.0f}",
+        f"{_GRID / numbers:.1f}",
     )
 
 

@@ -1,4 +1,4 @@
-"""Published reconstructions from few samples, for comparison; each returns values on the grid."""
+"""Published reconstructions from few samples, for comparison."""
 
 from nnbrdf.baselines.nbrdf import fit_nbrdf
 from nnbrdf.baselines.pca_ridge import PcaRidge

@@ -8,21 +8,25 @@ import numpy as np
 
 from gonio.errors import MissingExtraError
 from nnbrdf.encoding import encode_half_difference
-from nnbrdf.prior.family import grid_pairs
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from gonio.samples import Samples
+
+    Evaluate = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 _HIDDEN = 21
 _RATE = 5e-4
 _BATCH = 512
 STEPS = 8000
+WEIGHTS = 675
 
 
-def fit_nbrdf(samples: Samples, steps: int = STEPS, seed: int = 0) -> NDArray[np.float64]:
-    """Train the network of Sztrajman et al. (2021) and return its values on the 81 x 81 grid.
+def fit_nbrdf(samples: Samples, steps: int = STEPS, seed: int = 0) -> Evaluate:
+    """Train the network of Sztrajman et al. (2021) and return what evaluates it.
 
     6-21-21-3 with ReLU and an exponential less one at the end; mean absolute difference of
     ln(1 + f cos theta_light), Adam at 5e-4, batches of 512. Theirs were 800,000 samples of a
@@ -31,8 +35,8 @@ def fit_nbrdf(samples: Samples, steps: int = STEPS, seed: int = 0) -> NDArray[np
 
     Returns
     -------
-    ndarray
-        Shape (6561, 3), in 1/sr.
+    callable
+        From light and view, unit vectors of shape (n, 3), to values in 1/sr, shape (n, 3).
 
     Raises
     ------
@@ -60,10 +64,14 @@ def fit_nbrdf(samples: Samples, steps: int = STEPS, seed: int = 0) -> NDArray[np
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-    grid = grid_pairs()
-    with torch.no_grad():
-        everywhere = torch.from_numpy(encode_half_difference(grid.light, grid.view)).float()
-        return samples.white * np.asarray(_told(torch, network, everywhere).double().numpy())
+    white = samples.white
+
+    def evaluate(light: NDArray[np.float64], view: NDArray[np.float64]) -> NDArray[np.float64]:
+        with torch.no_grad():
+            rows = torch.from_numpy(encode_half_difference(light, view)).float()
+            return white * np.asarray(_told(torch, network, rows).double().numpy())
+
+    return evaluate
 
 
 def _told(torch: Any, network: Any, inputs: Any) -> Any:

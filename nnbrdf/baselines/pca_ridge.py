@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _EPSILON = 0.001
 _RIDGE = 40.0
-_COMPONENTS = 300
+COMPONENTS = 300
 
 
 class PcaRidge:
@@ -46,7 +46,7 @@ class PcaRidge:
         mapped = self._map(weighted)
         self._mean = mapped.mean(axis=1, keepdims=True)
         left, sizes, _ = np.linalg.svd(mapped - self._mean, full_matrices=False)
-        self._basis = left[:, :_COMPONENTS] * sizes[:_COMPONENTS]
+        self._basis = left[:, :COMPONENTS] * sizes[:COMPONENTS]
 
     def reconstruct(self, rows: NDArray[np.int64], values: Array, white: float) -> Array:
         """Return values on the grid from those at some of its pairs.

@@ -6,16 +6,20 @@ import csv
 import math
 from dataclasses import asdict, dataclass, fields
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from gonio.directions import from_degrees
 from gonio.errors import BadFileError, BadInputError
-from gonio.files import write_bytes
+from gonio.files import sha256_bytes, write_bytes
+from gonio.materials import MeasuredTable
 from gonio.samples import Samples
 from nnbrdf.metrics import eps8, male
-from nnbrdf.prior import MaterialPrior
+from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
+from nnbrdf.prior.generated import GeneratedMaterials
+from nnbrdf.studies.train import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -23,14 +27,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nnbrdf.studies.train import Truth
+    from nnbrdf.load import Model
 
     Array = NDArray[np.float64]
-    Method = Callable[[Samples, NDArray[np.int64]], Array]
+    Evaluate = Callable[[Array, Array], Array]
+    Method = Callable[[Samples, NDArray[np.int64]], tuple[Evaluate, int]]
 
 METHODS = ("nn", "prior", "analytic", "paper", "pca-ridge", "nbrdf")
 COUNTS = (8, 16, 32, 64, 128, 196, 1134, 6561)
 _SIGMA = 0.003
+_UNSEEN = 5000
+_OFF_GRID, _OFF_DEG = 100_000, 75.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,10 @@ class Shot:
         Over the 81 x 81 grid.
     seconds
         From the samples to the values on the grid.
+    numbers
+        How many the method keeps of a material, such as weights.
+    off_eps8, off_male
+        At 100,000 random pairs up to 75 degrees; None of a material known on the grid only.
     """
 
     material: str
@@ -54,6 +65,9 @@ class Shot:
     eps8: float
     male: float
     seconds: float
+    numbers: int
+    off_eps8: float | None = None
+    off_male: float | None = None
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -61,30 +75,67 @@ class Shot:
         return self.sha256, self.method, self.shots
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A generated material that the prior has not seen, grey.
+
+    Attributes
+    ----------
+    seed
+        Which of the anisotropic ones.
+    """
+
+    seed: int
+
+    def evaluate(self, light: Array, view: Array) -> Array:
+        """Return its values at unit vectors of shape (n, 3), shape (n, 3)."""
+        drawn = GeneratedMaterials.draw(1, _UNSEEN + self.seed, isotropic=False)
+        return np.repeat(drawn.evaluate(Pairs.of(light, view)), 3, axis=1)
+
+    def truth(self) -> Truth:
+        """Return its table, which knows the material between its nodes as well."""
+        grid = grid_pairs()
+        table = MeasuredTable.of(self.evaluate(grid.light, grid.view).reshape(81, 81, 3))
+        digest = sha256_bytes(table.values.tobytes())
+        return Truth(f"generated {self.seed}", digest, table.values, table.white, exact=self)
+
+
 def methods(names: Sequence[str]) -> dict[str, Method]:
-    """Return methods by name, each from samples and their rows of the grid to values on the grid.
+    """Return methods by name.
+
+    Each takes samples and their rows of the grid; it returns what evaluates unit vectors of shape
+    (n, 3), and how many numbers that is made of.
 
     Raises
     ------
     gonio.errors.BadInputError
         For an unknown name.
     """
-    from nnbrdf.baselines import PcaRidge, fit_nbrdf
+    from nnbrdf.baselines.nbrdf import WEIGHTS, fit_nbrdf
+    from nnbrdf.baselines.pca_ridge import COMPONENTS, PcaRidge
     from nnbrdf.estimators import estimator_named
 
     prior = MaterialPrior.generate()
 
     def estimated(name: str, **settings: object) -> Method:
-        def run(samples: Samples, rows: NDArray[np.int64]) -> Array:
-            model = estimator_named(name)(**settings).fit(samples)
-            grid = grid_pairs()
-            return model.evaluate(grid.light, grid.view)
+        def run(samples: Samples, rows: NDArray[np.int64]) -> tuple[Evaluate, int]:
+            model = cast("Model", estimator_named(name)(**settings).fit(samples))
+            return model.evaluate, model.card.weights
 
         return run
 
     def regressed() -> Method:
         basis = PcaRidge(prior)
-        return lambda samples, rows: basis.reconstruct(rows, samples.value, samples.white)
+
+        def run(samples: Samples, rows: NDArray[np.int64]) -> tuple[Evaluate, int]:
+            told = basis.reconstruct(rows, samples.value, samples.white)
+            table = MeasuredTable.of(np.broadcast_to(told, (len(told), 3)).reshape(81, 81, 3))
+            return table.evaluate, COMPONENTS * told.shape[1]
+
+        return run
+
+    def trained() -> Method:
+        return lambda samples, rows: (fit_nbrdf(samples), WEIGHTS)
 
     makers: dict[str, Callable[[], Method]] = {
         "nn": lambda: estimated("nn", prior=prior),
@@ -92,7 +143,7 @@ def methods(names: Sequence[str]) -> dict[str, Method]:
         "analytic": lambda: estimated("analytic"),
         "paper": lambda: estimated("paper", steps=103_000),
         "pca-ridge": regressed,
-        "nbrdf": lambda: lambda samples, rows: fit_nbrdf(samples),
+        "nbrdf": trained,
     }
     unknown = [name for name in names if name not in makers]
     if unknown:
@@ -148,10 +199,10 @@ def read_shots(table: Path) -> list[Shot]:
             rows = list(reader)
         if tuple(reader.fieldnames or ()) != _NAMES:
             raise ValueError("it has other columns")
-        kinds = {"shots": int, "eps8": float, "male": float, "seconds": float}
-        shots = [Shot(**{name: kinds.get(name, str)(row[name]) for name in _NAMES}) for row in rows]
+        shots = [Shot(**{name: _KINDS[name](row[name]) for name in _NAMES}) for row in rows]
         for line, shot in enumerate(shots, start=2):
-            if not all(0 <= each < math.inf for each in (shot.eps8, shot.male, shot.seconds)):
+            told = (shot.eps8, shot.male, shot.seconds, shot.off_eps8 or 0, shot.off_male or 0)
+            if not all(0 <= each < math.inf for each in told):
                 raise ValueError(f"line {line}: an error or a time is no number from 0")
         return shots
     except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
@@ -162,7 +213,9 @@ def read_shots(table: Path) -> list[Shot]:
 def write_shots(table: Path, shots: Iterable[Shot]) -> None:
     """Write one line a result, whole or not at all."""
     lines = [",".join(_NAMES)]
-    lines += [",".join(str(value) for value in asdict(shot).values()) for shot in shots]
+    for shot in shots:
+        values = asdict(shot).values()
+        lines.append(",".join("" if value is None else str(value) for value in values))
     write_bytes(table, ("\n".join(lines) + "\n").encode())
 
 
@@ -170,12 +223,36 @@ def _try(truth: Truth, name: str, method: Method, rows: NDArray[np.int64]) -> Sh
     grid, value = grid_pairs(), truth.values.reshape(-1, 3)[rows]
     samples = Samples.from_values(grid.light[rows], grid.view[rows], value, sigma=_SIGMA * value)
     began = perf_counter()
-    told = method(samples, rows)
+    evaluate, numbers = method(samples, rows)
+    told = evaluate(grid.light, grid.view)
     seconds = perf_counter() - began
-    told = np.broadcast_to(told, (len(told), 3)).reshape(truth.values.shape)
-    pair = (truth.values, truth.white)
-    error, log_error = eps8(told, *pair), male(told, *pair)
-    return Shot(truth.name, truth.digest, name, len(rows), error, log_error, seconds)
+    errors = _errors(told, truth.values.reshape(-1, 3), truth.white)
+    off = _off_grid(evaluate, truth)
+    return Shot(truth.name, truth.digest, name, len(rows), *errors, seconds, numbers, *off)
+
+
+def _off_grid(evaluate: Evaluate, truth: Truth) -> tuple[float | None, float | None]:
+    if truth.exact is None:
+        return None, None
+    rng = np.random.default_rng(0)
+    light, view = (
+        from_degrees(rng.uniform(0, _OFF_DEG, _OFF_GRID), rng.uniform(0, 360, _OFF_GRID))
+        for _ in range(2)
+    )
+    return _errors(evaluate(light, view), truth.exact.evaluate(light, view), truth.white)
+
+
+def _errors(told: Array, true: Array, white: float) -> tuple[float, float]:
+    told = np.broadcast_to(told, true.shape)
+    return eps8(told, true, white), male(told, true, white)
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None
 
 
 _NAMES = tuple(field.name for field in fields(Shot))
+_KINDS: dict[str, Callable[[str], Any]] = {
+    "material": str, "sha256": str, "method": str, "shots": int, "eps8": float, "male": float,
+    "seconds": float, "numbers": int, "off_eps8": _number, "off_male": _number,
+}  # fmt: skip

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from gonio.protocols import Material
     from nnbrdf.metrics import Scores
     from nnbrdf.studies.job import Job
     from nnbrdf.training import Trainer
@@ -41,12 +42,15 @@ class Truth:
         1/sr, shape (81, 81, 3), [light, view, channel].
     white
         Exposure scale of the error metrics, in 1/sr.
+    exact
+        The material itself, where it is known between the nodes, too.
     """
 
     name: str
     digest: str
     values: NDArray[np.float64]
     white: float
+    exact: Material | None = None
 
 
 def carry_out(

@@ -3,8 +3,8 @@
     python tests/benchmarks/study_calibration.py --draws 1000 --shots 64
 
 Each draw is a generated material of a seed outside the prior's, isotropic or not, measured at
-random pairs with 1 % noise and reconstructed by the estimator `prior`; one random pair elsewhere is
-scored, so that the draws are independent. Prints coverage with its standard error, and the interval
+random pairs with 1 % noise and reconstructed; one random pair elsewhere is scored, so that draws
+are independent. Prints coverage with its standard error, and the interval
 score (Gneiting and Raftery 2007, equation 43) of the logarithm over that of a constant relative
 sigma, the best there is for all draws together.
 """
@@ -12,7 +12,7 @@ sigma, the best there is for all draws together.
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -20,7 +20,7 @@ from rich.progress import track
 
 from gonio.directions import from_degrees
 from gonio.samples import Samples
-from nnbrdf.posterior_model import PriorEstimator
+from nnbrdf.estimators import estimator_named
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.generated import GeneratedMaterials
 
@@ -39,8 +39,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=1000)
     parser.add_argument("--shots", type=int, default=64)
+    parser.add_argument("--estimator", choices=["prior", "nn"], default="prior")
     options = parser.parse_args()
-    estimator = PriorEstimator(prior=MaterialPrior.generate())
+    estimator = estimator_named(options.estimator)(prior=MaterialPrior.generate())
     draws = track(range(options.draws), description="materials")
     told = np.array([draw(estimator, seed, options.shots) for seed in draws])
     low, middle, high, true = told.T
@@ -59,7 +60,7 @@ def main() -> None:
     )
 
 
-def draw(estimator: PriorEstimator, seed: int, shots: int) -> tuple[float, float, float, float]:
+def draw(estimator: Any, seed: int, shots: int) -> tuple[float, float, float, float]:
     """Return the band's ends, the median and the truth at one pair, as logarithms."""
     rng = np.random.default_rng([seed, 77])
     material = GeneratedMaterials.draw(1, 10_000 + seed, isotropic=bool(rng.random() < 0.5))

@@ -113,11 +113,12 @@ def test_too_few_samples_to_hold_some_out(measure):
 
 def test_every_estimator_takes_part_at_every_size():
     names = list(competitors())
-    assert names == ["nn 88", "nn 1268", "nn 2595", "nn 9219", "prior", "analytic",
-                     "paper 500 epochs", "paper 103000 steps"]  # fmt: skip
+    assert names == ["nn", "nn --general", "nn 88", "nn 1268", "nn 2595", "nn 9219", "prior",
+                     "analytic", "paper 500 epochs", "paper 103000 steps"]  # fmt: skip
     estimators = competitors(prior := object())
+    assert [estimators[name].general for name in ("nn", "nn --general")] == [False, True]
     assert [estimators[f"nn {size}"].size for size in (88, 9219)] == ["88", "9219"]
-    assert [each.prior for each in estimators.values() if hasattr(each, "prior")] == [prior] * 5
+    assert [each.prior for each in estimators.values() if hasattr(each, "prior")] == [prior] * 7
     assert (estimators["paper 500 epochs"].epochs, estimators["paper 500 epochs"].steps) == (
         500,
         None,
@@ -218,6 +219,20 @@ def test_the_page_shows_it_and_says_against_what(measure, against):
     assert [name for name, words in AGAINST.items() if words in " ".join(table.split())] == [
         against
     ]
+
+
+def test_the_page_says_what_leaving_out_saved(measure):
+    measured = measure(truth=False)
+    pair = [
+        ENTRIES[0].model_copy(update={"name": name, "weights": weights, "eps8": eps8})
+        for name, weights, eps8 in (("nn", 88, 2.0), ("nn --general", 1235, 3.0))
+    ]
+    save_entries(measured.session.model, pair)
+    words = " ".join(page_of(measured).split())
+    assert "weights are 88 instead of 1235" in words
+    assert "eps8 / male are 2.00" in words
+    save_entries(measured.session.model, pair[:1])
+    assert "instead of" not in page_of(measured)
 
 
 def test_an_error_of_nothing_is_a_point_all_the_same(measure):

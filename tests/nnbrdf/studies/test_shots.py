@@ -10,7 +10,7 @@ from nnbrdf.metrics import eps8, male
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
-from nnbrdf.studies.shots import METHODS, methods, read_shots, run_shots
+from nnbrdf.studies.shots import METHODS, Drawn, methods, read_shots, run_shots
 from nnbrdf.studies.train import Truth
 
 PRIOR = MaterialPrior.generate(examples=120)
@@ -52,12 +52,14 @@ def test_nbrdf_learns_what_it_sees():
     rows = rows_of(400)
     value = one.values.reshape(-1, 3)[rows]
     samples = Samples.from_values(GRID.light[rows], GRID.view[rows], value)
-    early, late = (fit_nbrdf(samples, steps=steps)[rows] for steps in (5, 1500))
+    early, late = (
+        fit_nbrdf(samples, steps=steps)(samples.light, samples.view) for steps in (5, 1500)
+    )
     assert np.median(np.abs(late - value)) < 0.3 * np.median(np.abs(early - value))
 
 
 def quick(told):
-    return lambda samples, rows: np.full((6561, 1), told)
+    return lambda samples, rows: (lambda light, view: np.full((len(light), 1), told), 1)
 
 
 def test_what_is_done_is_not_done_again(tmp_path):
@@ -83,7 +85,7 @@ def test_an_interrupted_study_keeps_what_it_has(tmp_path):
     def breaks(samples, rows):
         if len(rows) > 8:
             raise KeyboardInterrupt
-        return np.full((6561, 3), 0.1)
+        return quick(0.1)(samples, rows)
 
     table = tmp_path / "shots.csv"
     with pytest.raises(KeyboardInterrupt):
@@ -111,6 +113,37 @@ def test_errors_are_those_of_the_metrics(tmp_path):
     flat = np.full_like(one.values, 0.1)
     assert shot.eps8 == pytest.approx(eps8(flat, one.values, one.white))
     assert shot.male == pytest.approx(male(flat, one.values, one.white))
+
+
+def test_generated_materials_are_scored_between_the_nodes_too(tmp_path):
+    one = Drawn(0).truth()
+    table = tmp_path / "t.csv"
+
+    def knows_all(samples, rows):
+        return one.exact.evaluate, 3 * 6561
+
+    def knows_the_grid(samples, rows):
+        return MeasuredTable(one.values, one.white).evaluate, 3 * 6561
+
+    tried = {"all": knows_all, "grid": knows_the_grid}
+    exact, linear = run_shots([one], {8: rows_of(8)}, tried, table, lambda *at: None)
+    assert (exact.eps8, exact.off_eps8, exact.off_male) == (0, 0, 0)
+    assert linear.eps8 == pytest.approx(0, abs=1e-9)
+    assert linear.off_eps8 > 1
+    assert read_shots(table) == [exact, linear]
+    (flat,) = run_shots([truth()], {8: rows_of(8)}, {"a": quick(0.1)}, table, lambda *at: None)
+    assert flat.off_eps8 is None
+    assert flat in read_shots(table)
+
+
+def test_no_material_at_all_is_refused(tmp_path, monkeypatch, capsys):
+    from gonio.cli import main
+
+    monkeypatch.setattr("sys.argv", ["gonio", "study", "shots", "-o", str(tmp_path)])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    assert stop.value.code == 2
+    assert "give --generated 10" in capsys.readouterr().err
 
 
 def test_the_command_writes_a_page(tmp_path, monkeypatch, capsys):
