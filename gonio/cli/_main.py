@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 import signal
 import sys
 from contextlib import suppress
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 # what a shell says of a program that SIGPIPE, SIGINT or SIGTERM ended
 _NOBODY_READS, _INTERRUPTED, _TERMINATED = 141, 130, 143
+# matrices are small here, and threads that meet at each of them wait long on a busy machine;
+# where many rows are worth it, nnbrdf.cores.threads_for asks for more
+_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 _REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
 
 # the short helps live here, so that `gonio --help` imports no command
@@ -59,6 +63,8 @@ def main() -> None:
     As in `gonio materials | head -3`, it ends quietly with 141 where nobody reads on.
     """
     signal.signal(signal.SIGTERM, _terminate)
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
     try:
         cli.main(prog_name="gonio", standalone_mode=False)
     except SystemExit:

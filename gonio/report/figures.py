@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,8 @@ _VARIABLES = {
 }  # fmt: skip
 
 _MANY = 300.0
+_LEAST_TICKS = 3
+_DIGITS = ((1,), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), tuple(n / 10 for n in range(10, 100, 5)))
 
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none", "svg.hashsalt": "gonio", "svg.image_inline": True, "font.size": 8.5,
@@ -55,13 +58,29 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 
 
 def label_decades(axis: Axis) -> None:
-    """Label a logarithmic axis with plain numbers: 1, 2 and 5, or 1 alone of many decades."""
-    from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
+    """Label a logarithmic axis with plain numbers, three of them or more, as round as can be."""
+    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
 
-    low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _MANY * low else (1.0,)))
+    axis.set_major_locator(FixedLocator(round_numbers(*axis.get_view_interval())))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_locator(NullLocator())
+
+
+def round_numbers(low: float, high: float) -> list[float]:
+    """Return at least three numbers between two positive ones, the roundest first tried.
+
+    Of many decades powers of ten alone; of few 1, 2 and 5; then what lies between them.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for digits in _DIGITS[1 if high < _MANY * low else 0 :]:
+        ticks = [float(f"{digit}e{decade}") for decade in decades for digit in digits]
+        ticks = [tick for tick in ticks if low <= tick <= high]
+        if len(ticks) >= _LEAST_TICKS:
+            return ticks
+    even = MaxNLocator(2 * _LEAST_TICKS).tick_values(low, high)
+    return [float(tick) for tick in even if low <= tick <= high]
 
 
 def inline_svg(figure: Figure, name: str, label: str) -> Markup:

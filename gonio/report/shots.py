@@ -13,6 +13,7 @@ from gonio.report.figures import (
     MUTED,
     TRUTH,
     inline_svg,
+    label_decades,
     new_figure,
     page_style,
 )
@@ -108,18 +109,12 @@ def _draw(
     axes.set_yscale("log")
     axes.set_xticks(counts, [str(count) for count in counts], fontsize=7)
     axes.minorticks_off()
-    ticks = [t for t in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if _in(t, axes)]
-    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    label_decades(axes.yaxis)
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel("shots")
     axes.set_ylabel("eps8 (8-bit steps)" if metric == "eps8" else metric)
     axes.legend(fontsize=7)
     return figure
-
-
-def _in(value: float, axes: object) -> bool:
-    low, high = axes.get_ylim()  # type: ignore[attr-defined]
-    return bool(low <= value <= high)
 
 
 def _race(title: str, table: dict[tuple[str, int], list[Shot]]) -> Drawing:

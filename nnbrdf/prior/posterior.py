@@ -138,11 +138,13 @@ class Posterior:
 
     def predict(self, pairs: Pairs) -> tuple[Array, Array]:
         """Return mean, shape (n, channels), and standard deviation, alike, of the logarithm."""
-        chunk = max(_CHUNK // len(self.best.cholesky), 1)
-        parts = [
-            self._predict(pairs.part(slice(start, start + chunk)))
-            for start in range(0, len(pairs), chunk)
-        ]
+        samples = len(self.best.cholesky)
+        chunk = max(_CHUNK // samples, 1)
+        with threads_for(samples):
+            parts = [
+                self._predict(pairs.part(slice(start, start + chunk)))
+                for start in range(0, len(pairs), chunk)
+            ]
         mean, deviation = zip(*parts, strict=True)
         return np.concatenate(mean), np.concatenate(deviation)
 

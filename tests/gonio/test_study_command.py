@@ -76,6 +76,13 @@ def test_the_page_says_how_it_was_made(gonio, tmp_path):
     assert {"trainer", "machine", "date", "eps8", "male"} < set(notes)
 
 
+def test_what_is_wide_scrolls(gonio, tmp_path):
+    assert gonio("study", "activations", "satin", *QUICK, "--activations", "relu").returncode == 0
+    page = (tmp_path / "study" / "activations.html").read_text()
+    for wide in ("<table>", "<svg "):
+        assert page.count(wide) == len(re.findall(rf'<div class="scroll">\s*{wide}', page)) > 0
+
+
 def test_equal_steps_of_a_single_subset_are_not_repeated(gonio, tmp_path):
     assert gonio("study", "targets", "satin", *QUICK, "--activations", "relu").returncode == 0
     page = (tmp_path / "study" / "targets.html").read_text()

@@ -210,7 +210,7 @@ def test_the_page_shows_it_and_says_against_what(measure, against):
     page = page_of(measured)
     section = page[page.index("How good it is") : page.index("Run times")]
     for title in ("Error against fitting time", "Error against evaluation time"):
-        drawing = re.search(rf"<h3>{title}</h3>\s*<svg.*?</svg>", section, re.DOTALL)
+        drawing = re.search(rf"<h3>{title}</h3>\s*<div[^>]*><svg.*?</svg>", section, re.DOTALL)
         assert all(f">{entry.name}</text>" in drawing.group() for entry in entries)
     table = section[section.index("Every estimator") :]
     cells = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", table)[6:]
