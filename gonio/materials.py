@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 _REMEDY = "expected: npz with values (81, 81, 3), light first, linear RGB in 1/sr"
 _RIM = np.radians(75.0)
+# directions whose weights on all faces stay in the cache
+_AT_ONCE = 1 << 9
 
 
 @dataclass(frozen=True)
@@ -162,8 +164,8 @@ class SphericalMesh:
         inside = from_spherical(np.minimum(theta, _RIM), phi).reshape(-1, 3)
         nodes = np.empty((len(inside), 3), np.int64)
         weights = np.empty((len(inside), 3))
-        for part in range(0, len(inside), 1 << 14):
-            chosen = slice(part, part + (1 << 14))
+        for part in range(0, len(inside), _AT_ONCE):
+            chosen = slice(part, part + _AT_ONCE)
             nodes[chosen], weights[chosen] = self._locate(inside[chosen])
         shape = direction.shape
         return nodes.reshape(shape), weights.reshape(shape)
@@ -173,9 +175,10 @@ class SphericalMesh:
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         near = self._faces_near(direction)
         # corner by corner: matrix products, three times as fast as one einsum
-        weights = np.stack([direction @ self._inverse[near, i].T for i in range(3)])
-        best = np.argmax(weights.min(axis=0), axis=1)
-        chosen = np.clip(weights[:, np.arange(len(direction)), best].T, 0.0, None)
+        first, second, third = (direction @ self._inverse[near, i].T for i in range(3))
+        best = np.argmax(np.minimum(np.minimum(first, second), third), axis=1)
+        rows = np.arange(len(direction))
+        chosen = np.stack([each[rows, best] for each in (first, second, third)], axis=1).clip(0.0)
         return self._faces[near[best]], chosen / chosen.sum(axis=1, keepdims=True)
 
     def _faces_near(self, direction: NDArray[np.float64]) -> NDArray[np.int64]:
