@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 INCIDENCES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0)
 _RINGS = 96
+_CROWDED = 10.0
 
 
 class Albedo(NamedTuple):
@@ -38,9 +39,11 @@ class Albedo(NamedTuple):
 def directional_albedo(material: Material, azimuths: int = 4) -> list[Albedo]:
     """Integrate BRDF times cosine over the views, at six incidences from 0 to 75 degrees.
 
-    Gauss-Legendre nodes in the squared sine of the view's polar angle, on which cosine-weighted
-    solid angle is uniform, times equally spaced azimuths. Above one, the model gives back more
-    light than came: between samples, or since narrow lobes are sampled at single nodes.
+    Views are integrated over the unit disk of their projections, on which cosine-weighted solid
+    angle is uniform, in polar coordinates about the mirrored direction: equally spaced azimuths,
+    and Gauss-Legendre nodes in a coordinate that crowds towards it, as lobes do. Above one, the
+    model gives back more light than came: between samples, or since narrow lobes are sampled at
+    single nodes.
 
     Parameters
     ----------
@@ -67,10 +70,18 @@ def _integral(
     material: Material, light: NDArray[np.float64], rings: int, azimuths: int
 ) -> NDArray[np.float64]:
     node, weight = np.polynomial.legendre.leggauss(rings)
-    theta = np.arcsin(np.sqrt(0.5 * (node + 1)))
-    # an offset of half a step, so that no node lies in the plane of incidence of every light
-    phi = 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
-    view = from_spherical(np.repeat(theta, azimuths), np.tile(phi, rings))
-    values = material.evaluate(light, view).reshape(rings, azimuths, -1)
-    # pi times the mean over the disk; the weights add up to 2
-    return np.asarray(np.pi * 0.5 * np.einsum("r,rac->c", weight, values) / azimuths)
+    # from 0 at the mirrored direction to 1 at the rim, and its slope
+    share = np.sinh(_CROWDED * 0.5 * (node + 1)) / np.sinh(_CROWDED)
+    slope = _CROWDED * np.cosh(_CROWDED * 0.5 * (node + 1)) / np.sinh(_CROWDED)
+    phi = 2 * np.pi * np.arange(azimuths) / azimuths
+    out = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    mirror = -light[:2]
+    along = out @ mirror
+    rim = np.sqrt(1 - mirror @ mirror + along**2) - along
+    place = mirror + (share[:, None] * rim)[..., None] * out
+    height = np.sqrt((1 - (place**2).sum(axis=-1, keepdims=True)).clip(0.0))
+    view = np.concatenate([place, height], axis=-1)
+    values = material.evaluate(light, view.reshape(-1, 3)).reshape(rings, azimuths, -1)
+    # the weights add up to 2
+    area = 0.5 * weight * slope * share * 2 * np.pi / azimuths
+    return np.asarray(np.einsum("r,a,rac->c", area, rim**2, values))

@@ -40,12 +40,30 @@ def test_azimuths_of_the_light_are_averaged():
     assert last.value[0] == pytest.approx(1 + sine**2 / 2, rel=1e-9)
 
 
-def test_the_error_tells_of_lobes_that_the_nodes_miss():
-    class Narrow:
-        def evaluate(self, light, view):
-            half = light + view
-            half = half / np.linalg.norm(half, axis=-1, keepdims=True)
-            return np.exp(-((1 - half[..., 2:]) / 1e-6)) * np.ones(3)
+class Lobe:
+    """Gaussian in the tilt of the half vector; narrow, it is 8 pi cos^2(incidence) variance."""
 
-    coarse = directional_albedo(Narrow())[3]
+    def __init__(self, variance):
+        self.variance = variance
+
+    def evaluate(self, light, view):
+        half = light + view
+        half = half / np.linalg.norm(half, axis=-1, keepdims=True)
+        return np.exp(-((1 - half[..., 2:]) / self.variance)) * np.ones(3)
+
+
+@pytest.mark.parametrize("variance", [1e-4, 1e-6, 1e-7])
+def test_narrow_lobes_are_not_missed(variance):
+    for incidence in directional_albedo(Lobe(variance))[:5]:
+        known = 8 * np.pi * np.cos(np.radians(incidence.incidence_deg)) ** 2 * variance
+        assert incidence.value[0] == pytest.approx(known, rel=0.01)
+        assert incidence.error < 0.01 * known
+
+
+def test_the_error_tells_of_lobes_that_the_nodes_miss():
+    class Retro:
+        def evaluate(self, light, view):
+            return np.exp((np.sum(light * view, axis=-1, keepdims=True) - 1) / 1e-4) * np.ones(3)
+
+    coarse = directional_albedo(Retro())[4]
     assert coarse.error > 0.1 * coarse.value[0]

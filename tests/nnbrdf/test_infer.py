@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from gonio.samples import Flag, Samples
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
-from nnbrdf.prior.infer import infer
+from nnbrdf.prior.infer import _inflation, infer
 from nnbrdf.prior.log import OFFSET
 from nnbrdf.prior.posterior import Sites
 
@@ -254,6 +255,28 @@ def test_leaving_one_out_is_what_it_says():
     mean, deviation = without.predict(Pairs.of(light[7:8], view[7:8]))
     assert log[7] - mean[0] == pytest.approx(residual[7], rel=1e-6)
     assert deviation[0, 0] ** 2 + 1e-3 == pytest.approx(variance[7], rel=1e-6)
+
+
+@pytest.mark.parametrize(("factor", "told"), [(0.3, 0.8), (1.0, 1.0), (1.5, 1.5), (9.0, 2.0)])
+def test_deviations_grow_by_what_samples_left_out_are_missed(factor, told):
+    rng = np.random.default_rng(0)
+    variance = rng.uniform(0.01, 1.0, 3000)
+    residual = factor * np.sqrt(variance)[:, None] * rng.standard_normal((3000, 3))
+    residual[:10] = 1e3  # ignored
+    posterior = SimpleNamespace(best=SimpleNamespace(leave_one_out=lambda: (residual, variance)))
+    assert _inflation(posterior, np.arange(3000) < 10) == pytest.approx(told, rel=0.05)
+
+
+def test_the_scale_is_that_of_the_whole_not_of_the_samples():
+    rng = np.random.default_rng(3)
+    values = material(8, True)
+    light, view = directions(rng, 400), directions(rng, 400)
+    bright = np.argsort(-values(light, view)[:, 0])[:80]
+    samples = samples_of(values, light[bright], view[bright])
+    white = 4 * np.median(values(GRID.light, GRID.view))
+    inference = infer(PRIOR.families, samples)
+    assert samples.white > 1.3 * white
+    assert abs(inference.scale - white) < 0.5 * (samples.white - white)
 
 
 def test_channels_that_are_alike_are_no_more_evidence():

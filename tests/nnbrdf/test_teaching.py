@@ -103,6 +103,27 @@ def test_opposite_directions_at_the_horizon_have_inputs():
         assert np.isfinite(encode(light, view)).all()
 
 
+def test_what_the_network_misses_is_in_its_spread():
+    samples = colored()
+    light, view = directions(5, 300), directions(6, 300)
+    hasty, patient = (estimator(steps=steps).fit(samples) for steps in (40, STEPS))
+    for model, relation in ((hasty, 1.0), (patient, 0.0)):
+        low, high = model.quantiles(light, view)
+        floor = 0.01 * model.card.scale
+        half = np.log((high + floor) / (low + floor)).mean() / 2
+        # the root mean square is above the mean absolute error
+        assert half > 1.645 * relation * model.card.teaching_error
+    assert hasty.card.teaching_error > 5 * patient.card.teaching_error
+
+
+def test_the_sigma_of_the_samples_lets_channels_differ():
+    samples = samples_of(tints=(1.0, 0.5, 0.2))
+    noisy = samples.value * (1 + 0.05 * np.random.default_rng(0).standard_normal((60, 3)))
+    pair = (samples.light, samples.view, noisy)
+    assert single_spectrum(Samples.from_values(*pair, sigma=0.001 * noisy)) is None
+    assert single_spectrum(Samples.from_values(*pair, sigma=0.05 * noisy)) is not None
+
+
 def test_a_single_spectrum_needs_a_single_output():
     tinted = samples_of(tints=(1.4, 1.0, 0.6))
     model = estimator().fit(tinted)
