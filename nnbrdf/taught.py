@@ -115,7 +115,10 @@ class TaughtCard(Document):
             f"{self.unknown:.3f} unknown",
         ]
         if self.left_small:
-            result.append("so few weights, since more would say no more than the posterior knows")
+            result.append(
+                "so few weights, since they miss the posterior by a quarter or less of what it "
+                "leaves unknown, or by one per cent or less"
+            )
         return result + self.findings.sentences()
 
 

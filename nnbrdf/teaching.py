@@ -38,6 +38,8 @@ SIZES: dict[str, tuple[int, ...]] = {
 """Hidden layers by the number of weights at most; 88 and 1268 are the paper's networks."""
 _DEFAULT, _SMALL = "1268", "88"
 _GOOD_ENOUGH = 0.25
+# of a value; no rig measures better
+_ALWAYS_ENOUGH = 0.01
 SPREAD_HIDDEN = (12, 8)
 _ELSEWHERE = 2048
 _STEEPEST_DEG = 89.0
@@ -59,7 +61,8 @@ class TaughtEstimator:
     ----------
     size
         A name of `SIZES`: how many weights at most. None is 1268, or 88 where these miss the
-        posterior by a quarter or less of what it leaves unknown, as for matte materials.
+        posterior by a quarter or less of what it leaves unknown, or by one per cent or less, as for
+        matte materials.
     general
         Leave nothing out: assume neither isotropy, nor reciprocity, nor a single spectrum, and
         take no smaller network.
@@ -165,7 +168,7 @@ class TaughtEstimator:
         if self.size is None and not self.general:
             hidden = _hidden(_SMALL, inputs, targets)
             small, error = self._train(inputs, targets, hidden, _MEMBERS, None)
-            if error <= _GOOD_ENOUGH * unknown:
+            if error <= max(_GOOD_ENOUGH * unknown, _ALWAYS_ENOUGH):
                 if progress is not None:
                     progress(self.steps, self.steps)
                 return small, error
