@@ -270,7 +270,7 @@ def test_a_matte_material_needs_fewer_weights():
     model = estimator(steps=20_000).fit(matte())
     assert model.card.left_small
     assert model.card.weights <= 88
-    assert any("more would say no more" in sentence for sentence in model.card.sentences())
+    assert any("so few weights" in sentence for sentence in model.card.sentences())
 
 
 def test_nothing_is_left_out_when_told_so():
