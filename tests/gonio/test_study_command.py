@@ -100,12 +100,16 @@ def test_a_long_training_stops_at_once(gonio, tmp_path):
     command = [sys.executable, "-m", "gonio", "study", "activations", "satin", "--subsets", "vs-is",
                "--steps", "1000000000", "--activations", "relu"]  # fmt: skip
     results = tmp_path / "study" / "results.jsonl"
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and not results.exists():
-        os.sched_yield()
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=30)
-    assert process.returncode == 130
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        while process.poll() is None and not results.exists():
+            os.sched_yield()
+        # not SIGINT, which a shell in the background has its children ignore
+        process.terminate()
+        try:
+            _, said = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == 143
     assert "stopped" in said
 
 
