@@ -7,6 +7,8 @@ author = "the gonio authors"
 copyright = "the gonio authors"  # noqa: A001
 release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+# attributes of named tuples are members as well; named once
+napoleon_use_ivar = True
 html_theme = "furo"
 html_title = "gonio"
 exclude_patterns = ["_build"]
