@@ -119,7 +119,9 @@ class MaterialPrior:
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
         except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile) as error:
-            raise BadFileError(path, f"is no prior ({error})", _REMEDY) from None
+            # numpy would have people load such a file unsafely
+            problem = "it is no npz of arrays" if "pickle" in str(error) else error
+            raise BadFileError(path, f"is no prior ({problem})", _REMEDY) from None
 
 
 def _examples(arrays: dict[str, Array], name: str) -> GeneratedMaterials:

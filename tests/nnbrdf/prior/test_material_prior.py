@@ -156,3 +156,11 @@ def test_build_says_where_it_found_nothing(folder, tmp_path, monkeypatch, capsys
     assert code == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not (tmp_path / "p.npz").exists()
+
+
+def test_a_file_of_something_else_is_not_to_be_loaded_unsafely(tmp_path):
+    (tmp_path / "junk.npz").write_text("junk")
+    with pytest.raises(BadFileError) as refused:
+        MaterialPrior.load(tmp_path / "junk.npz")
+    assert "no npz of arrays" in str(refused.value)
+    assert "pickle" not in str(refused.value)
