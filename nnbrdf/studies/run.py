@@ -11,7 +11,8 @@ from nnbrdf.studies.store import appending, read_results
 from nnbrdf.studies.train import carry_out
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from concurrent.futures import Future
     from pathlib import Path
 
     import numpy as np
@@ -29,7 +30,7 @@ def run_jobs(
     truths: Mapping[str, Truth],
     subsets: Mapping[str, NDArray[np.int64]],
     folder: Path,
-    progress: Progress | None = None,
+    report: Progress = lambda done, total: None,
 ) -> list[Outcome]:
     """Carry out those jobs that the folder has no outcome of.
 
@@ -43,7 +44,7 @@ def run_jobs(
         By `Job.subset`, indices of the flattened 81 x 81 grid.
     folder
         Where `results.jsonl` is or will be; outcomes of other jobs in it stay.
-    progress
+    report
         Called with the steps done and all there are, of all jobs, several times a second.
 
     Returns
@@ -62,33 +63,36 @@ def run_jobs(
     """
     # settings may share a training: once is enough
     different = {job.key: job for job in jobs}
-    watch = _Watch()
     # what is known is read once nobody else writes here
     with appending(folder) as append, ThreadPoolExecutor(cores()) as pool:
         known = read_results(folder)
         wanted = [job for key, job in different.items() if key not in known]
-        total = sum(job.steps for job in different.values())
-        before = total - sum(job.steps for job in wanted)
-        running = {
-            pool.submit(carry_out, job, truths[job.material], subsets, watch.tick)
-            for job in sorted(wanted, key=lambda job: -job.steps)
-        }
+        watch = _Watch()
         try:
-            if progress is not None:
-                progress(before, total)
-            while running:
-                finished, running = wait(running, _LOOK_S, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    outcome = future.result()
-                    append(outcome)
-                    known[outcome.job.key] = outcome
-                if progress is not None:
-                    progress(before + watch.steps, total)
+            running = {
+                pool.submit(carry_out, job, truths[job.material], subsets, watch.tick)
+                for job in sorted(wanted, key=lambda job: -job.steps)
+            }
+            total = sum(job.steps for job in different.values())
+            before = total - sum(job.steps for job in wanted)
+            for outcome in _finished(running, lambda: report(before + watch.steps, total)):
+                append(outcome)
+                known[outcome.job.key] = outcome
         except BaseException:
             watch.is_over = True
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return [known[job.key] for job in jobs]
+
+
+def _finished(running: set[Future[Outcome]], look: Callable[[], None]) -> Iterator[Outcome]:
+    """Yield outcomes as they come; look at them several times a second, and at the end."""
+    look()
+    while running:
+        finished, running = wait(running, _LOOK_S, return_when=FIRST_COMPLETED)
+        for future in finished:
+            yield future.result()
+        look()
 
 
 class _Watch:

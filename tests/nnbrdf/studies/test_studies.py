@@ -1,6 +1,7 @@
 """Jobs, their store and their tables; what a training is, test_training says."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -182,6 +183,22 @@ def test_a_training_that_is_stopped_ends_within_its_next_steps(tmp_path, monkeyp
     with pytest.raises(KeyboardInterrupt):
         run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path, stop)
     assert (tmp_path / RESULTS_NAME).read_bytes() == b""
+
+
+def test_one_that_is_stopped_while_trainings_are_laid_out_ends_as_soon(tmp_path, monkeypatch):
+    submit = ThreadPoolExecutor.submit
+    asked = []
+
+    def stop_at_the_second(pool, *arguments):
+        asked.append(arguments)
+        if len(asked) == 2:
+            raise KeyboardInterrupt
+        return submit(pool, *arguments)
+
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", stop_at_the_second)
+    jobs = [replace(job, steps=10**9) for job in some_jobs("gelu")]
+    with pytest.raises(KeyboardInterrupt):
+        run_jobs(jobs, {"felt": a_truth()}, SUBSETS, tmp_path)
 
 
 def test_the_time_of_a_training_is_the_time_of_its_own_thread():
