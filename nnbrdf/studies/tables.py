@@ -31,7 +31,7 @@ class Row:
     rank
         1 is the best; rows with no mean come last and share the last rank.
     percent_from_best
-        How far the mean is from the best one; None without a mean.
+        How far the mean is from the best one; None without a mean, and from a best of zero error.
     diverged
         How many trainings of all.
     """
@@ -105,10 +105,18 @@ def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
 
 
 def median_of(outcomes: Sequence[Outcome], metric: str) -> float:
-    """Return the median; what diverged is worse than anything, and so is what was never trained."""
-    worst = -math.inf if metric in BIGGER_IS_BETTER else math.inf
-    values = [getattr(outcome, metric) for outcome in outcomes]
-    return median(worst if value is None else value for value in values) if values else worst
+    """Return the median; what diverged is worse than anything, and so is what was never trained.
+
+    A training has no `sphere_psnr_db` where its picture is perfect: it is infinite.
+    """
+    worst = worst_of(metric)
+    values = [worst if outcome.diverged else getattr(outcome, metric) for outcome in outcomes]
+    return median(math.inf if value is None else value for value in values) if values else worst
+
+
+def worst_of(metric: str) -> float:
+    """Return what nothing is worse than."""
+    return -math.inf if metric in BIGGER_IS_BETTER else math.inf
 
 
 def kendall_tau(first: Sequence[float], second: Sequence[float]) -> float | None:
@@ -157,7 +165,7 @@ def _table(
 
 def _cell(outcomes: Sequence[Outcome], metric: str) -> float | None:
     value = median_of(outcomes, metric)
-    return value if math.isfinite(value) else None
+    return None if value == worst_of(metric) else value
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
@@ -165,5 +173,7 @@ def _mean(values: Sequence[float | None]) -> float | None:
     return sum(known) / len(known) if known and len(known) == len(values) else None
 
 
-def _percent(mean: float, best: float) -> float:
-    return 100.0 * abs(mean - best) / abs(best) if best else 0.0
+def _percent(mean: float, best: float) -> float | None:
+    if mean == best:
+        return 0.0
+    return 100.0 * abs(mean - best) / abs(best) if best and math.isfinite(best) else None

@@ -288,6 +288,29 @@ def test_what_diverged_is_the_worst_in_decibels_too():
         assert table.rows[0].cells == (cell,)
 
 
+def test_what_diverged_at_once_is_not_the_quickest():
+    outcomes = [
+        *[replace(an_outcome(1.0, seed, activation="a"), seconds=0.5) for seed in range(3)],
+        *[
+            replace(an_outcome(None, seed, diverged=True, activation="b"), seconds=1e-5)
+            for seed in range(3)
+        ],
+    ]
+    (table,) = tabulate(outcomes, "seconds", lambda job: job.activation)
+    assert ranking(table) == ["a", "b"]
+    assert table.rows[1].cells == (None,)
+
+
+def test_a_perfect_picture_is_the_best_and_has_not_diverged():
+    perfect = replace(an_outcome(0.1, activation="a"), sphere_psnr_db=None)
+    (table,) = tabulate(
+        [an_outcome(20.0, activation="b"), perfect], "sphere_psnr_db", lambda job: job.activation
+    )
+    best = table.rows[1]
+    assert (best.name, best.cells, best.rank, best.percent_from_best) == ("a", (np.inf,), 1, 0.0)
+    assert table.rows[0].percent_from_best is None
+
+
 def test_kendall_tau():
     assert kendall_tau([1, 2, 3], [1, 2, 3]) == 1
     assert kendall_tau([1, 2, 3], [3, 2, 1]) == -1
