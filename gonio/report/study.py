@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
@@ -125,7 +126,12 @@ def write_study(
 
 
 def _race(results: Sequence[Result], name: str, time_name: str, field: str) -> Drawing:
-    points = [Point(one.name, getattr(one, field), one.scores.male) for one in results]
+    points = [
+        Point(one.name, seconds, one.scores.male)
+        for one in results
+        # networks that diverged have neither
+        if math.isfinite(seconds := getattr(one, field)) and math.isfinite(one.scores.male)
+    ]
     title = f"{results[0].subset}: male against the {time_name}"
     with page_style():
         svg = inline_svg(draw_pareto(points, "male", time_name), name, title)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
-from time import perf_counter
+from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gonio.errors import BadInputError
 from nnbrdf.analytic.base import both_above
+from nnbrdf.cores import threads_for
 from nnbrdf.fitting.family import Pairs
 from nnbrdf.fitting.models import model_named
 
@@ -43,7 +44,7 @@ class Fit:
     residual
         Median absolute error of ln(f + 0.01 white) over the samples.
     seconds
-        What the fit took.
+        Time of the processor that the fit took, on one core.
     evaluations
         How often the model was evaluated.
     converged
@@ -94,15 +95,20 @@ def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
     family = model_named(name)
     samples.check()
     problem = _Problem(family, samples)
-    began = perf_counter()
-    rng = np.random.default_rng(seed)
+    with threads_for(1):
+        began = thread_time()
+        best, evaluations = _solve(family, problem, np.random.default_rng(seed))
+        return problem.fit_of(best, thread_time() - began, evaluations)
+
+
+def _solve(family: Family, problem: _Problem, rng: np.random.Generator) -> tuple[Any, int]:
+    """Return the best of the starts, and how often the model was evaluated."""
     few = problem.part(rng)
     starts = [few.solve(place) for place in _starts(family, rng)]
     best = min(starts, key=lambda result: result.cost)
     if len(few.values) < len(problem.values):
         best = problem.solve(best.x[: len(family.shape)])
-    evaluations = few.evaluations + (problem.evaluations if problem is not few else 0)
-    return problem.fit_of(best, perf_counter() - began, evaluations)
+    return best, few.evaluations + (problem.evaluations if problem is not few else 0)
 
 
 def _starts(family: Family, rng: np.random.Generator) -> Floats:
