@@ -109,7 +109,7 @@ class BatchedTrainer:
         self._mean, self._norm = torch.zeros_like(self._value), torch.zeros_like(self._value)
         self._active = torch.ones((networks.members, 1), dtype=torch.bool, device=self._device)
         self._generators = [np.random.default_rng(seed) for seed in seeds]
-        self._random = torch.Generator(self._device).manual_seed(int(seeds[0]) & (2**63 - 1))
+        self._random = [torch.Generator(self._device).manual_seed(int(each)) for each in seeds]
         self._batches = self._endless_batches()
         self._decay = 1.0
 
@@ -167,7 +167,9 @@ class BatchedTrainer:
         return self._random_rrelu
 
     def _random_rrelu(self, x: torch.Tensor) -> torch.Tensor:
-        slopes = torch.empty_like(x).uniform_(RRELU_LOWER, RRELU_UPPER, generator=self._random)
+        slopes = torch.empty_like(x)
+        for of_member, generator in zip(slopes, self._random, strict=True):
+            of_member.uniform_(RRELU_LOWER, RRELU_UPPER, generator=generator)
         return torch.where(x < 0, slopes * x, x)
 
     def _descend(self, gradient: torch.Tensor) -> None:

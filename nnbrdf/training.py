@@ -48,8 +48,11 @@ class Trainer(Protocol):
 
 
 def default_trainer() -> str:
-    """Return `fused` where the kernel was compiled, else `torch`."""
-    return "fused" if fused.is_available() else "torch"
+    """Return `fused` where the kernel was compiled, else `torch`, and a warning once a process."""
+    if fused.is_available():
+        return "fused"
+    _warn_of_torch()
+    return "torch"
 
 
 def make_trainer(
@@ -89,8 +92,6 @@ def make_trainer(
         raise BadInputError(f"trainer {name!r} is not known; use {', '.join(TRAINERS)}")
     if name == "fused":
         return fused.FusedTrainer(networks, inputs, targets, seeds, rate)
-    if trainer is None:
-        _warn_of_torch()
     try:
         import torch
 
@@ -107,7 +108,6 @@ def make_trainer(
 
 @cache
 def _warn_of_torch() -> None:
-    """Say it once a process, however many networks are trained."""
     _log.warning(
         "no compiled trainer here, so torch trains, some 40 times slower; for the other, "
         "install a C++ compiler and gonio again"

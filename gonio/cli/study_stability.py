@@ -44,12 +44,17 @@ def command(*, material: str, output: Path) -> None:
         gonio study stability
         gonio study stability felt.npz -o stability/
     """  # noqa: D301
+    from importlib.util import find_spec
+
     from gonio.cli._console import console, progress_bar
     from gonio.cli._study import read_setting
     from gonio.cli._study_end import show_grids, write_grid
+    from gonio.errors import MissingExtraError
     from gonio.report.study import write_study
     from nnbrdf.studies.analytic import samples_of
 
+    if find_spec("torch") is None:
+        raise MissingExtraError("torch", "nn")
     setting = read_setting([material], output, "vs-is", seeds=1, epochs=1, steps=None)
     (truth,), (pairs,) = setting.truths.values(), setting.subsets.values()
     samples = samples_of(truth, pairs)

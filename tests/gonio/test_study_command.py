@@ -168,6 +168,17 @@ def test_what_is_killed_goes_on(gonio, tmp_path):
     assert len(after) == 42
 
 
+def test_stability_without_torch_is_one_line(tmp_path, monkeypatch, capsys):
+    from gonio.cli import main
+
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("sys.argv", ["gonio", "study", "stability", "-o", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    assert stop.value.code == 2
+    assert "gonio[nn]" in capsys.readouterr().err
+
+
 BAD = {
     "activation": (("activations", "satin", "--activations", "silu"), "use linear, sigmoid"),
     "model": (("analytic", "satin", "--models", "disney"), "use lambert, minnaert"),

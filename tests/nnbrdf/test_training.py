@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,8 +81,9 @@ def test_members_of_torch_end_where_a_plain_torch_training_ends():
 
 
 @each_trainer
-def test_together_is_as_each_alone(trainer):
-    networks = a_start(5)
+@pytest.mark.parametrize("activation", ["softsign", "rrelu"])
+def test_together_is_as_each_alone(trainer, activation):
+    networks = replace(a_start(5), activation=activation)
     inputs, targets = some_samples(70)
     together = train(networks, inputs, targets, 30, seeds(5), trainer=trainer)[-1].networks
     for member in range(5):
@@ -95,6 +97,20 @@ def test_together_is_as_each_alone(trainer):
         )[-1].networks
         for a, b in zip(together.member(member).layers, alone.layers, strict=True):
             assert np.allclose(a, b, rtol=0, atol=1e-12)
+
+
+@each_trainer
+def test_slopes_of_rrelu_are_random_in_training_and_each_member_has_its_own(trainer):
+    # of a single batch the order is all the same
+    start = a_start(1)
+    inputs, targets = some_samples(20)
+
+    def trained(activation, seed):
+        networks = replace(start, activation=activation)
+        return train(networks, inputs, targets, 10, [seed], trainer=trainer)[-1].networks.layers[0]
+
+    assert np.allclose(trained("elu", 1), trained("elu", 2), rtol=0, atol=1e-9)
+    assert not np.allclose(trained("rrelu", 1), trained("rrelu", 2), rtol=0, atol=1e-6)
 
 
 @each_trainer
