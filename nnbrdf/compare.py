@@ -81,9 +81,7 @@ class Trial:
                 f"out and needs {_LEAST}, so measure more directions or leave out --compare"
             )
         held = is_held_out(len(samples))
-        # noise may be below zero, where male has no logarithm
-        value = samples.value[held].clip(0.0)
-        light, view = samples.light[held], samples.view[held]
+        light, view, value = samples.light[held], samples.view[held], samples.value[held]
         return cls(_rows(samples, ~held), light, view, value, samples.white, "held out")
 
     def enter(self, name: str, estimator: Estimator, progress: Progress | None = None) -> Entry:

@@ -98,7 +98,7 @@ def eps8(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:
 def male(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:
     """Return the mean absolute log error above a floor of 1 % of white.
 
-    That is |ln((estimate + 0.01 white) / (true + 0.01 white))|, the estimate clipped at 0;
+    That is |ln((estimate + 0.01 white) / (true + 0.01 white))|, both clipped at 0;
     highlights count beyond white. Parameters and errors as for `eps8`.
     """
     return float(male_per_channel(estimate, true, white).mean())
@@ -143,7 +143,8 @@ def male_per_channel(
     """Return `male` of each channel, shape (channels,)."""
     estimate, true = _checked(estimate, true, white)
     floor = _FLOOR * white
-    return _mean_per_channel(np.log((np.clip(estimate, 0, None) + floor) / (true + floor)))
+    estimate, true = np.clip(estimate, 0, None), np.clip(true, 0, None)
+    return _mean_per_channel(np.log((estimate + floor) / (true + floor)))
 
 
 def cube_root_rmse_per_channel(

@@ -206,7 +206,7 @@ constexpr Activate<T> kActivations[kActivationCount] = {
     elementwise<T, MeanRrelu>,  elementwise<T, Softshrink>,
 };
 
-// Two rounds of multiply and shift; nnbrdf/activations.py has the same.
+// Two rounds of multiply and shift.
 inline std::uint32_t scramble(std::uint32_t x) {
     x ^= x >> 16;
     x *= 0x7feb352dU;

@@ -127,7 +127,10 @@ inline Singles logarithm(Singles x) {
 }
 
 // sin by reduction modulo pi in three parts (Cody and Waite), series to r^11 on |r| <= pi / 2.
-inline Singles sine(Singles x) {
+// Beyond 2^22 neighboring numbers lie half a radian apart and more, and it is 0.
+inline Singles sine(Singles angle) {
+    constexpr float kMost = 4194304.0f;
+    const Singles x = absolute(angle) > kMost ? Singles{} : angle;
     const Singles n = nearest(x * 0.318309886f);
     Singles r = x - n * 3.140625f;
     r -= n * 9.67502593994140625e-4f;

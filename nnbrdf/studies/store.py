@@ -54,19 +54,29 @@ def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
         When the operating system refuses.
     """
     path = folder / RESULTS_NAME
-    try:
+    with _refused(path):
         folder.mkdir(parents=True, exist_ok=True)
-        with path.open("ab") as file:
+        file = path.open("ab")
+    with file:
+        with _refused(path):
             _hold(file, folder)
             sync_file(folder)
             _drop_cut_line(path)
 
-            def append(outcome: Outcome) -> None:
+        def append(outcome: Outcome) -> None:
+            with _refused(path):
                 file.write(json.dumps(outcome.row()).encode() + b"\n")
                 file.flush()
                 os.fsync(file.fileno())
 
-            yield append
+        # what else is refused meanwhile is not this file's
+        yield append
+
+
+@contextmanager
+def _refused(path: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise StorageError.from_os(path, error) from error
 

@@ -89,12 +89,21 @@ def test_far_out_they_end_where_they_should(name, limits, single):
 @each
 @pytest.mark.parametrize("single", [False, True])
 def test_no_activation_or_slope_is_nan_at_large_numbers(name, single):
-    sizes = np.array([0.0, 1.0, 50.0, 89.0, 1e3, 1e6])
+    sizes = np.array([0.0, 1.0, 50.0, 89.0, 1e3, 1e6, 1e8, 1e9, 3e15])
     rows = np.stack([sizes, -sizes]).astype(np.float32 if single else float)
     value, slope = kernel(name, rows, single=single)
     assert not np.isnan(value).any()
     assert not np.isnan(slope).any()
     assert not np.isnan(numpy_value(name, rows)).any()
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_the_sine_of_snake_is_one_however_far_out(single):
+    sizes = np.array([5e6, 1e8, 1e9, 3e15, 1e30])
+    rows = np.stack([sizes, -sizes]).astype(np.float32 if single else float)
+    value, slope = kernel("snake", rows, single=single)
+    assert np.allclose(value, rows, rtol=1e-6, atol=1)
+    assert ((slope >= 0) & (slope <= 2)).all()
 
 
 def test_softmax_sums_to_one_and_does_not_overflow():

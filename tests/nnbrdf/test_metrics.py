@@ -39,6 +39,11 @@ def test_eps8_ends_at_white_and_male_does_not():
     assert male(grid(7), grid(2), white=2.0) == pytest.approx(np.log(7.02 / 2.02))
 
 
+def test_a_truth_below_zero_counts_as_zero():
+    # as noise of samples that were held out may be
+    assert male(grid(0.2), grid(-0.5), white=1.0) == male(grid(0.2), grid(0), white=1.0)
+
+
 def test_an_estimate_below_zero_counts_as_zero():
     assert eps8(grid(-1), grid(0), white=1.0) == 0
     assert male(grid(-1), grid(0), white=1.0) == 0

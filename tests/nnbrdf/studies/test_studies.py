@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gonio.errors import BadFileError, BadInputError
+from gonio.errors import BadFileError, BadInputError, StorageError
 from nnbrdf.activations import ACTIVATIONS
 from nnbrdf.paper import PaperEstimator
 from nnbrdf.studies import designs, run
@@ -347,6 +347,12 @@ def test_designs_are_as_large_as_they_say():
     assert {job.steps for job in settings["equal steps"]} == {103_000}
     assert {job.top for job in settings["targets to 255"]} == {255.0}
     assert {job.white_scale for job in settings["white x 2"]} == {2.0}
+
+
+def test_what_is_refused_elsewhere_is_not_laid_to_the_results(tmp_path):
+    with pytest.raises(OSError, match="another file") as refused, appending(tmp_path):
+        raise OSError("another file")
+    assert not isinstance(refused.value, StorageError)
 
 
 def test_two_studies_do_not_write_into_one_file(tmp_path):
