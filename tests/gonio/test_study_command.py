@@ -168,6 +168,29 @@ def test_what_is_killed_goes_on(gonio, tmp_path):
     assert len(after) == 42
 
 
+def test_subsets_are_views_and_lights_as_they_are_called(tmp_path):
+    from gonio.cli._study import read_setting
+
+    setting = read_setting(["satin"], tmp_path, "va-is,vs-ia", seeds=1, epochs=1, steps=None)
+    counts = {
+        name: tuple(len(set(part.tolist())) for part in np.divmod(pairs, 81))
+        for name, pairs in setting.subsets.items()
+    }
+    assert counts == {"va-is": (14, 81), "vs-ia": (81, 14)}  # lights, views
+
+
+def test_another_white_is_another_material(tmp_path):
+    from gonio.cli._study import read_setting
+
+    def digest(white):
+        np.savez(tmp_path / "one.npz", values=np.full((81, 81, 3), 0.2), white=white)
+        names = [str(tmp_path / "one.npz")]
+        setting = read_setting(names, tmp_path, "vs-is", seeds=1, epochs=1, steps=None)
+        return setting.truths["one"].digest
+
+    assert digest(0.8) == digest(0.8) != digest(0.9)
+
+
 def test_stability_without_torch_is_one_line(tmp_path, monkeypatch, capsys):
     from gonio.cli import main
 

@@ -1,5 +1,6 @@
 """The models of the literature: what each claims holds, and what it does not claim does not."""
 
+import math
 from itertools import product
 
 import numpy as np
@@ -49,6 +50,59 @@ def test_what_claims_no_reciprocity_has_none():
         one = material(family, [0.5] * 6)
         differ = not np.allclose(one.evaluate(light, view), one.evaluate(view, light), rtol=1e-3)
         assert differ == (not family.reciprocal), family.name
+
+
+LIGHT, VIEW = from_degrees(30, 20), from_degrees(50, 100)
+
+
+def by_hand():
+    """Return cosines of light, view, half vector and light to it, and its slopes along x and y."""
+    hx, hy, hz = (a + b for a, b in zip(LIGHT.tolist(), VIEW.tolist(), strict=True))
+    length = math.sqrt(hx * hx + hy * hy + hz * hz)
+    between = sum(a * b for a, b in zip(LIGHT.tolist(), VIEW.tolist(), strict=True))
+    # half of the angle between the two
+    return LIGHT[2], VIEW[2], hz / length, math.sqrt((1 + between) / 2), hx / hz, hy / hz
+
+
+def cook_torrance():
+    light, view, half, beside, x, y = by_hand()
+    facets = math.exp(-(x * x + y * y) / 0.3**2) / (math.pi * 0.3**2 * half**4)
+    shadow = min(1, 2 * half * view / beside, 2 * half * light / beside)
+    return facets * shadow * (0.1 + 0.9 * (1 - beside) ** 5) / (4 * light * view)
+
+
+def torrance_sparrow():
+    light, view, half, beside, _, _ = by_hand()
+    facets = math.exp(-((math.acos(half) / 0.3) ** 2)) / (math.pi * 0.3**2)
+    shadow = min(1, 2 * half * view / beside, 2 * half * light / beside)
+    return facets * shadow * (0.1 + 0.9 * (1 - beside) ** 5) / (4 * light * view)
+
+
+def ward():
+    light, view, _, _, x, y = by_hand()
+    facets = math.exp(-((x / 0.2) ** 2) - (y / 0.5) ** 2) / (4 * math.pi * 0.2 * 0.5)
+    return facets / math.sqrt(light * view)
+
+
+def edwards():
+    light, view, half, beside, _, _ = by_hand()
+    density = 11 / math.pi * (half * half) ** 10 * half
+    return density / (4 * beside * max(light, view)) * (0.1 + 0.9 * (1 - beside) ** 5)
+
+
+BY_HAND = {
+    "cook-torrance": ((0.3, 0.1), cook_torrance),
+    "torrance-sparrow": ((0.3, 0.1), torrance_sparrow),
+    "ward": ((0.2, 0.5, 0.0), ward),
+    "edwards": ((10.0, 0.1), edwards),
+}
+
+
+@pytest.mark.parametrize(("name", "case"), BY_HAND.items(), ids=BY_HAND)
+def test_values_by_hand(name, case):
+    shape, value = case
+    lobe = MODELS[name].material(np.array(shape), np.array([[0.0] * 3, [1.0] * 3]))
+    assert lobe.evaluate(LIGHT, VIEW) == pytest.approx(np.full(3, value()), rel=1e-12)
 
 
 def awkward_directions():

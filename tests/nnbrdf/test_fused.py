@@ -106,15 +106,25 @@ def test_networks_of_any_shape(sizes, isa):
         assert np.allclose(own, other, rtol=1e-12, atol=1e-12)
 
 
+def test_samples_and_inputs_that_are_not_there_are_refused():
+    trainer = a_trainer(a_start(), some_samples(9))
+    with pytest.raises(ValueError, match="no such sample"):
+        trainer.gradient(np.array([9]))
+    with pytest.raises(ValueError, match="inputs must have shape"):
+        trainer.predict(np.zeros((4, 5)))
+
+
 @each
-def test_a_hundred_steps_are_those_of_torch(name):
-    networks, samples = a_start(activation=name), some_samples(70)  # batches of 32, 32 and 6
+@pytest.mark.parametrize("count", [70, 64])
+def test_a_hundred_steps_are_those_of_torch(name, count):
+    # batches of 32, 32 and 6, or none of these
+    networks, samples = a_start(activation=name), some_samples(count)
     trainer = a_trainer(networks, samples)
     layers = [layer[0].copy() for layer in networks.layers]
     mean, norm = ([np.zeros_like(layer) for layer in layers] for _ in range(2))
     for step in range(100):
         trainer.run(1)
-        part = trainer.order[step % 3 * 32 :][:32]
+        part = trainer.order[step % -(-count // 32) * 32 :][:32]
         slopes = torch_gradient(
             layers, [rows[part] for rows in samples], activation_at(name, 3, step)
         )

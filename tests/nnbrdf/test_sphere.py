@@ -49,6 +49,12 @@ def test_rays_come_from_the_upper_hemisphere_and_fall_on_the_picture():
             np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1.0)
 
 
+def test_light_and_eye_keep_their_angle_whatever_surface_they_meet():
+    for rays in sphere_rays(40):
+        cosine = np.einsum("ij,ij->i", rays.light, rays.view)
+        assert np.allclose(cosine, cosine[0], atol=1e-12)
+
+
 def test_a_white_diffuser_is_exposed_up_to_255_and_only_the_sphere_is_seen():
     seen = expose_sphere(Lambertian(1.0), white=1 / np.pi)
     assert seen.max() == 255

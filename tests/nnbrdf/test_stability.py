@@ -125,6 +125,14 @@ def test_exponentials_of_exponentials_begin_with_huge_gradients():
     assert exponential.gradient > 30 * softsign.gradient
 
 
+def test_those_that_learn_nothing_are_counted():
+    rng = np.random.default_rng(0)
+    inputs = rng.normal(size=(64, 6))
+    data = inputs / 20, inputs[:, :3] / 4 + 0.5  # too small to pass the threshold
+    assert look_at_start("softshrink", *data, (3, 4), 200).idle == 20
+    assert look_at_start("softsign", *data, (3, 4), 2000).idle == 0
+
+
 def test_dead_units_are_counted():
     inputs, _ = some_data()
     networks = glorot_uniform((6, 4, 3), [np.random.default_rng(0)], activation="relu")

@@ -10,6 +10,7 @@ import pytest
 
 from gonio.errors import BadFileError, BadInputError, StorageError
 from nnbrdf.activations import ACTIVATIONS
+from nnbrdf.metrics import eps8
 from nnbrdf.paper import PaperEstimator
 from nnbrdf.studies import designs, run
 from nnbrdf.studies.analytic import compare_networks
@@ -61,7 +62,6 @@ def test_an_outcome_comes_back_from_its_row():
 def test_a_job_trains_the_member_of_the_estimator():
     from gonio.directions import paper_directions
     from gonio.samples import Samples
-    from nnbrdf.metrics import eps8
 
     truth, pairs = a_truth(), SUBSETS["vs-is"]
     light, view = np.divmod(pairs, 81)
@@ -220,6 +220,33 @@ def busy():
     thread.start()
     thread.join()
     return perf_counter() - began
+
+
+class Constant:
+    """A trainer whose network says 0.25 of the top, whatever it is shown."""
+
+    def __init__(self, network, inputs, targets, seeds, trainer):
+        self.top = 255.0 if targets.max() > 1 else 1.0
+        self.diverged = [False]
+
+    def run(self, steps):
+        pass
+
+    def predict(self, inputs):
+        return np.full((1, len(inputs), 3), 0.25 * self.top)
+
+
+@pytest.mark.parametrize("top", [1.0, 255.0])
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_targets_are_in_units_of_their_white_and_losses_of_their_top(monkeypatch, top, scale):
+    monkeypatch.setattr("nnbrdf.studies.train.make_trainer", Constant)
+    truth = a_truth()
+    outcome = carry_out(replace(JOB, top=top, white_scale=scale), truth, SUBSETS)
+    ends = scale * truth.white
+    inside = truth.values.reshape(-1, 3)[SUBSETS["vs-is"]].clip(0, ends) / ends
+    assert outcome.loss == pytest.approx(np.abs(inside - 0.25).mean())
+    told = np.full_like(truth.values, 0.25 * ends)
+    assert outcome.eps8 == pytest.approx(eps8(told, truth.values, truth.white))
 
 
 def test_a_training_that_overflows_has_no_errors_and_says_so():
