@@ -62,15 +62,7 @@ def make_plan(
     """
     refuse_keep_out(rig)
     candidates = paper_candidates()
-    reach = np.outer(
-        within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
-    )
-    allowed = reach & apart(candidates, rig)
-    if not allowed.any():
-        raise BadInputError(
-            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
-            "correct it in the rig file"
-        )
+    reach, allowed = _pairs_within_reach(candidates, rig)
     judge = criterion_named(criterion, candidates.directions, prior)
     if shots is not None:
         choice = judge.pairs(allowed, _checked_shots(shots, int(allowed.sum())))
@@ -104,6 +96,22 @@ def make_plan(
         estimates=estimate(ordered, rig),
         shots=ordered,
     )
+
+
+def _pairs_within_reach(
+    candidates: Candidates, rig: Rig
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which pairs each arm can take, and which of these keep the arms apart, (n, n)."""
+    reach = np.outer(
+        within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
+    )
+    allowed = reach & apart(candidates, rig)
+    if not allowed.any():
+        raise BadInputError(
+            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
+            "correct it in the rig file"
+        )
+    return reach, allowed
 
 
 def _checked_shots(shots: int, most: int) -> int:
