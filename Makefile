@@ -16,7 +16,8 @@ $(STAMP): pyproject.toml constraints.txt $(KERNEL)
 	@echo "installing gonio and its tools into $(VENV); this takes a minute or two"
 	@$(PYTHON) -m venv $(VENV)
 	@rm -f $(LOG)
-	@$(BIN)/pip install -qq --log $(LOG) --disable-pip-version-check -c constraints.txt -e '.[nn,dev,docs]'
+	@$(BIN)/pip install -q --log $(LOG) --disable-pip-version-check -c constraints.txt \
+		-e '.[nn,dev,docs]' >$(LOG).screen 2>&1 || { cat $(LOG).screen; exit 1; }
 	@sed -n 's/.*\(gonio was installed without\)/\1/p' $(LOG)
 	@touch $@
 
