@@ -30,7 +30,7 @@ _VARIABLES = {
 
 _MANY = 300.0
 _LEAST_TICKS = 3
-_DIGITS = ((1,), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), tuple(n / 10 for n in range(10, 100, 5)))
+_DIGITS = ((1,), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
 
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none", "svg.hashsalt": "gonio", "svg.image_inline": True, "font.size": 8.5,
@@ -69,7 +69,7 @@ def label_decades(axis: Axis) -> None:
 def round_numbers(low: float, high: float) -> list[float]:
     """Return at least three numbers between two positive ones, the roundest first tried.
 
-    Of many decades powers of ten alone; of few 1, 2 and 5; then what lies between them.
+    Of many decades powers of ten alone; of few 1, 2 and 5; of less than one, even steps.
     """
     from matplotlib.ticker import MaxNLocator
 
