@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from gonio.errors import BadFileError
-from gonio.files import write_bytes
-from gonio.validation import Document, check, read_text
+from gonio.validation import Document
+from nnbrdf.rows import read_rows, write_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -62,13 +59,7 @@ def save_entries(folder: Path, entries: Iterable[Entry]) -> None:
     gonio.errors.StorageError
         When the operating system refuses.
     """
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(Entry.model_fields), lineterminator="\n")
-    writer.writeheader()
-    for entry in entries:
-        cells = entry.model_dump().items()
-        writer.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in cells})
-    write_bytes(folder / FILE_NAME, text.getvalue().encode())
+    write_rows(folder / FILE_NAME, Entry, entries)
 
 
 def load_entries(folder: Path) -> list[Entry]:
@@ -79,11 +70,4 @@ def load_entries(folder: Path) -> list[Entry]:
     gonio.errors.BadFileError
         When it is broken.
     """
-    path = folder / FILE_NAME
-    if not path.is_file():
-        return []
-    rows = csv.DictReader(read_text(path, _REMEDY).splitlines(), strict=True)
-    try:
-        return [check(Entry, row, path, _REMEDY) for row in rows]
-    except csv.Error as error:
-        raise BadFileError(path, f"is not CSV ({error})", _REMEDY) from None
+    return read_rows(folder / FILE_NAME, Entry, _REMEDY)

@@ -35,8 +35,7 @@ ABOUT = (
     "--generated",
     type=click.IntRange(0, 1000),
     default=0,
-    help="Add so many generated "
-    "anisotropic materials; they are scored between the directions of the grid, too.",
+    help="Add so many generated anisotropic materials, scored between the grid's nodes, too.",
 )
 def command(
     *,

@@ -84,7 +84,7 @@ class Outcome:
     job
         Which.
     seconds
-        Time of a processor spent in training, on one core; other work on the machine hardly counts.
+        Time of a processor spent in training, on one core; what other programs take is not in it.
     diverged
         Whether its gradient, or what it says on the grid, was not finite; it has no errors then.
     loss

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import numpy as np
+from pydantic import Field
 
 from gonio.directions import from_degrees
-from gonio.errors import BadFileError, BadInputError
-from gonio.files import sha256_bytes, write_bytes
+from gonio.errors import BadInputError
+from gonio.files import sha256_bytes
 from gonio.materials import MeasuredTable
 from gonio.samples import Samples
+from gonio.validation import Document
 from nnbrdf.metrics import eps8, male
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
+from nnbrdf.rows import read_rows, write_rows
 from nnbrdf.studies.train import Truth
 
 if TYPE_CHECKING:
@@ -36,12 +37,14 @@ if TYPE_CHECKING:
 METHODS = ("nn", "prior", "analytic", "paper", "pca-ridge", "nbrdf")
 COUNTS = (8, 16, 32, 64, 128, 196, 1134, 6561)
 _SIGMA = 0.003
+_REMEDY = "delete it, or take another folder"
+Count = Annotated[int, Field(ge=1)]
+Error = Annotated[float, Field(ge=0)]
 _UNSEEN = 5000
 _OFF_GRID, _OFF_DEG = 100_000, 75.0
 
 
-@dataclass(frozen=True)
-class Shot:
+class Shot(Document):
     """One method on one number of shots.
 
     Attributes
@@ -61,13 +64,13 @@ class Shot:
     material: str
     sha256: str
     method: str
-    shots: int
-    eps8: float
-    male: float
-    seconds: float
-    numbers: int
-    off_eps8: float | None = None
-    off_male: float | None = None
+    shots: Count
+    eps8: Error
+    male: Error
+    seconds: Error
+    numbers: Count
+    off_eps8: Error | None = None
+    off_male: Error | None = None
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -171,52 +174,16 @@ def run_shots(
     table
         CSV, written anew after each result: an interrupted study goes on there.
     """
-    done = {each.key: each for each in read_shots(table)}
+    done = {each.key: each for each in read_rows(table, Shot, _REMEDY)}
     wanted = [(truth, name, count) for truth in truths for count in designs for name in methods]
     for index, (truth, name, count) in enumerate(wanted):
         progress(index, len(wanted))
         if (truth.digest, name, count) not in done:
             shot = _try(truth, name, methods[name], designs[count])
             done[shot.key] = shot
-            write_shots(table, done.values())
+            write_rows(table, Shot, done.values())
     progress(len(wanted), len(wanted))
     return [done[truth.digest, name, count] for truth, name, count in wanted]
-
-
-def read_shots(table: Path) -> list[Shot]:
-    """Read what `write_shots` wrote; nothing where there is no file.
-
-    Raises
-    ------
-    gonio.errors.BadFileError
-        When it is something else.
-    """
-    if not table.exists():
-        return []
-    try:
-        with table.open(newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file)
-            rows = list(reader)
-        if tuple(reader.fieldnames or ()) != _NAMES:
-            raise ValueError("it has other columns")
-        shots = [Shot(**{name: _KINDS[name](row[name]) for name in _NAMES}) for row in rows]
-        for line, shot in enumerate(shots, start=2):
-            told = (shot.eps8, shot.male, shot.seconds, shot.off_eps8 or 0, shot.off_male or 0)
-            if not all(0 <= each < math.inf for each in told):
-                raise ValueError(f"line {line}: an error or a time is no number from 0")
-        return shots
-    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
-        remedy = "delete it, or take another folder"
-        raise BadFileError(table, f"is no table of this study ({error})", remedy) from None
-
-
-def write_shots(table: Path, shots: Iterable[Shot]) -> None:
-    """Write one line a result, whole or not at all."""
-    lines = [",".join(_NAMES)]
-    for shot in shots:
-        values = asdict(shot).values()
-        lines.append(",".join("" if value is None else str(value) for value in values))
-    write_bytes(table, ("\n".join(lines) + "\n").encode())
 
 
 def _try(truth: Truth, name: str, method: Method, rows: NDArray[np.int64]) -> Shot:
@@ -228,7 +195,18 @@ def _try(truth: Truth, name: str, method: Method, rows: NDArray[np.int64]) -> Sh
     seconds = perf_counter() - began
     errors = _errors(told, truth.values.reshape(-1, 3), truth.white)
     off = _off_grid(evaluate, truth)
-    return Shot(truth.name, truth.digest, name, len(rows), *errors, seconds, numbers, *off)
+    return Shot(
+        material=truth.name,
+        sha256=truth.digest,
+        method=name,
+        shots=len(rows),
+        eps8=errors[0],
+        male=errors[1],
+        seconds=seconds,
+        numbers=numbers,
+        off_eps8=off[0],
+        off_male=off[1],
+    )
 
 
 def _off_grid(evaluate: Evaluate, truth: Truth) -> tuple[float | None, float | None]:
@@ -245,14 +223,3 @@ def _off_grid(evaluate: Evaluate, truth: Truth) -> tuple[float | None, float | N
 def _errors(told: Array, true: Array, white: float) -> tuple[float, float]:
     told = np.broadcast_to(told, true.shape)
     return eps8(told, true, white), male(told, true, white)
-
-
-def _number(text: str) -> float | None:
-    return float(text) if text else None
-
-
-_NAMES = tuple(field.name for field in fields(Shot))
-_KINDS: dict[str, Callable[[str], Any]] = {
-    "material": str, "sha256": str, "method": str, "shots": int, "eps8": float, "male": float,
-    "seconds": float, "numbers": int, "off_eps8": _number, "off_male": _number,
-}  # fmt: skip

@@ -10,11 +10,16 @@ from nnbrdf.metrics import eps8, male
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
-from nnbrdf.studies.shots import METHODS, Drawn, methods, read_shots, run_shots
+from nnbrdf.rows import read_rows
+from nnbrdf.studies.shots import METHODS, Drawn, Shot, methods, run_shots
 from nnbrdf.studies.train import Truth
 
 PRIOR = MaterialPrior.generate(examples=120)
 GRID = grid_pairs()
+
+
+def read_shots(table):
+    return read_rows(table, Shot, "")
 
 
 def truth(seed=1008):
@@ -91,6 +96,19 @@ def test_an_interrupted_study_keeps_what_it_has(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run_shots([truth()], {8: rows_of(8), 16: rows_of(16)}, {"a": breaks}, table, lambda *at: 0)
     assert [shot.shots for shot in read_shots(table)] == [8]
+
+
+HEAD = "material,sha256,method,shots,eps8,male,seconds,numbers,off_eps8,off_male\n"
+LINES = ["a,b,nn,8,nan,1,1,9,,", "a,b,nn,8,-1,1,1,9,,", "a,b,nn,8,1,1,1,0,,", "a,b,nn,8,1,1"]
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_damaged_line_is_refused(line, tmp_path):
+    (tmp_path / "shots.csv").write_text(HEAD + "a,b,nn,8,1,1,1,9,,\n")
+    assert read_shots(tmp_path / "shots.csv")[0].off_eps8 is None
+    (tmp_path / "shots.csv").write_text(f"{HEAD}{line}\n")
+    with pytest.raises(BadFileError, match=r"shots\.csv"):
+        read_shots(tmp_path / "shots.csv")
 
 
 @pytest.mark.parametrize("content", ["nothing\nof the kind\n", "material,sha256\na,b\n", "\x00"])
