@@ -32,7 +32,7 @@ EXAMPLES = 2000
 ISOTROPIC_SHARE = 0.8
 _EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
 _SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
-"""Generated examples that choose pairs: of 2000 they leave one per cent less known, in thrice the time."""
+"""Generated examples that choose pairs: 2000 would leave one per cent less, in thrice the time."""
 _MANY, _LANDMARKS, _AT_ONCE = 20_000, 3000, 10_000
 _REMEDY = "make it with: gonio prior build"
 
