@@ -169,7 +169,7 @@ def _learned(arrays: dict[str, Array]) -> list[LearnedMaterial]:
     return result
 
 
-def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[Array, NDArray[np.int64]]:
+def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Return a factor of the covariance of the pairs that differ, and which each pair is.
 
     Of very many pairs a few are drawn, which choose the columns, and the others follow from these
@@ -200,10 +200,11 @@ def _thinned(family: Family, examples: int) -> Family:
     return replace(family, examples=family.examples.select(rows))
 
 
-def _spread(family: Family, distinct: Pairs, pivots: Traits, lower: Array) -> Array:
+def _spread(family: Family, distinct: Pairs, pivots: Traits, lower: Array) -> NDArray[Any]:
     """Return the factor at all pairs from the covariance with some and its lower factor there."""
     from scipy.linalg import solve_triangular
 
+    # single precision: half a million rows of 150 numbers, and both kinds of them
     result = np.empty((len(distinct), len(lower)), np.float32)
     for start in range(0, len(distinct), _AT_ONCE):
         rows = slice(start, start + _AT_ONCE)
