@@ -4,8 +4,8 @@
 
 For each table in FOLDER (npz, 81 x 81): eps8 and male of the estimator `prior` from the 14 x 14
 directions of each criterion, chosen before anything of the material is known, and from products
-drawn at random. Noise-free values, sigma 0.3 %. Then the means over the materials: of each criterion,
-and of the drawn products the mean, the 90th percentile from the best, and how many beat i-optimal.
+drawn at random. Noise-free values, sigma 0.3 %. Then the means over the materials: of each
+criterion, and of the drawn products the mean, the best tenth, and how many beat i-optimal.
 """
 
 from __future__ import annotations
