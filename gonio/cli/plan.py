@@ -183,7 +183,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
-    from gonio.cli._console import duration, size
+    from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
     yield "views", str(selection.views)

@@ -1,0 +1,120 @@
+"""A plan among the directions that it chose from: which, how often, when."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from gonio.directions import from_degrees
+from gonio.timemodel import FRAME_OVERHEAD_S, SETTLE_S, pose_angles_deg, route_times
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from gonio.plan import Plan
+    from gonio.rig import Rig
+    from planner.candidates import Candidates
+
+Side = Literal["light", "view"]
+_CHUNK = 1024
+
+
+@dataclass(frozen=True)
+class Directions:
+    """The candidates of one side.
+
+    Attributes
+    ----------
+    theta_deg, phi_deg
+        Angles in degrees, shape (n,) each.
+    of_shot
+        Which of them each shot has, shape (shots,).
+    refused
+        Which the rig cannot take with any direction of the other side, shape (n,).
+    """
+
+    theta_deg: NDArray[np.float64]
+    phi_deg: NDArray[np.float64]
+    of_shot: NDArray[np.int64]
+    refused: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.theta_deg)
+
+    @property
+    def times(self) -> NDArray[np.int64]:
+        """How many shots have each of them, shape (n,)."""
+        return np.bincount(self.of_shot, minlength=len(self))
+
+
+@dataclass(frozen=True)
+class Planned:
+    """What the page of a plan draws.
+
+    Attributes
+    ----------
+    light, view
+        The candidates of either side.
+    done_s
+        Seconds from the start of the capture to the end of each shot, shape (shots,).
+    refused
+        Which pairs the rig cannot take, by reason, shape (lights, views) each.
+    """
+
+    light: Directions
+    view: Directions
+    done_s: NDArray[np.float64]
+    refused: Mapping[str, NDArray[np.bool_]]
+
+    @classmethod
+    def of(
+        cls,
+        plan: Plan,
+        rig: Rig,
+        lights: Candidates,
+        views: Candidates,
+        refused: Mapping[str, NDArray[np.bool_]],
+    ) -> Planned:
+        """Find the shots of `plan` among the candidates, and when `rig` takes them."""
+        never = np.zeros((len(lights), len(views)), bool)
+        for pairs in refused.values():
+            never |= pairs
+        return cls(
+            light=_directions(plan, "light", lights, never.all(axis=1)),
+            view=_directions(plan, "view", views, never.all(axis=0)),
+            done_s=done_s(plan, rig),
+            refused=refused,
+        )
+
+    def side(self, name: Side) -> Directions:
+        """Return the candidates of one side."""
+        return self.light if name == "light" else self.view
+
+
+def _directions(
+    plan: Plan, side: Side, candidates: Candidates, refused: NDArray[np.bool_]
+) -> Directions:
+    angles = [(s.axis_deg(f"{side}_theta"), s.axis_deg(f"{side}_phi")) for s in plan.shots]
+    at, among = from_degrees(*np.transpose(angles)), candidates.directions
+    # in parts: a thousand candidates by a hundred thousand shots would not fit
+    parts = [at[start : start + _CHUNK] @ among.T for start in range(0, len(at), _CHUNK)]
+    of_shot = np.concatenate([part.argmax(axis=1) for part in parts])
+    return Directions(candidates.theta_deg, candidates.phi_deg, of_shot, refused)
+
+
+def done_s(plan: Plan, rig: Rig) -> NDArray[np.float64]:
+    """Return the seconds from the start to the end of each shot, shape (shots,).
+
+    What the estimate has beyond the shots themselves, homing and calibration, comes before them.
+    """
+    moves = np.concatenate([[0.0], route_times(pose_angles_deg(plan.shots), rig)])
+    frames = np.array([len(shot.exposures_s) for shot in plan.shots])
+    exposing = np.array([math.fsum(shot.exposures_s) for shot in plan.shots])
+    each = moves + SETTLE_S * (moves > 0) + exposing + FRAME_OVERHEAD_S * frames
+    done: NDArray[np.float64] = np.cumsum(each)
+    return done + max(plan.estimates.total_s - float(done[-1]), 0.0)
