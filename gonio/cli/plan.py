@@ -99,6 +99,12 @@ if TYPE_CHECKING:
     metavar="FILE.png",
     help="Also draw the chosen directions on the hemisphere.",
 )
+@click.option(
+    "--page/--no-page",
+    default=True,
+    show_default=True,
+    help="Write the plan's page beside it: directions, order, time, what was left out.",
+)
 def command(
     *,
     density: str,
@@ -115,6 +121,7 @@ def command(
     rig_path: Path | None,
     output: Path,
     plot: Path | None,
+    page: bool,
 ) -> None:
     """Choose which directions to measure, and the order that takes the arm the least time.
 
@@ -129,12 +136,14 @@ def command(
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
+    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
     from planner.make import make_plan
+    from planner.refused import refused_pairs
 
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
@@ -146,11 +155,15 @@ def command(
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
+    page_path = output.with_suffix(".html")
+    if page and page_path in (output, plot):
+        raise BadInputError(f"{page_path} is where the plan's page goes; take another, or --no-page")
     both_views, both_lights = split_density(density)
     view_set = candidates_named(view_candidates or candidates)
     light_set = candidates_named(light_candidates or candidates)
+    rig = load_rig(rig_path) if rig_path else default_rig()
     plan = make_plan(
-        load_rig(rig_path) if rig_path else default_rig(),
+        rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
@@ -166,6 +179,10 @@ def command(
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
+    if page:
+        refused = refused_pairs(light_set, view_set, rig)
+        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        click.echo(f"wrote {page_path}")
     if plot:
         _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")

@@ -10,9 +10,8 @@ import numpy as np
 from gonio.report.figures import ACCENT, CHANNELS, LINE, MUTED, new_figure
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -22,16 +21,21 @@ if TYPE_CHECKING:
 
 TIME_COLORS = ("#3d7bd9", "#8a63d2", "#d14f93", "#ee7b3a")
 """Of the first shot to the last: all of a lightness that is seen on white and on black."""
-REFUSED_COLORS = ("#c8412f", "#d99a2b", "#7a6a9e", "#4d8f8a")
-"""Of the reasons why the rig cannot take a pair, in their order, and round again."""
+NOT_CHOSEN = "#80808029"
 
 _SIDE_IN = 3.4
 _PARTS = 48
 _RINGS_DEG = (30.0, 60.0, 90.0)
+# between the candidates of rings
+_LABEL_OUT_DEG, _LABEL_PHI_DEG = 6.5, 10.0
 _SPREAD = 0.2
 _MAP_SIDE = 120
-_NOT_CHOSEN = (0.5, 0.5, 0.5, 0.16)
-_REFUSED_ALPHA = 0.45
+_REFUSED = ("#c8412f90", "#d99a2b90", "#7a6a9e90", "#4d8f8a90")
+
+
+def refused_color(number: int) -> str:
+    """Return the color of a reason why the rig cannot take a pair, by its number."""
+    return _REFUSED[number % len(_REFUSED)]
 
 
 def draw_directions(side: Directions) -> Figure:
@@ -90,6 +94,7 @@ def draw_progress(planned: Planned, ends_s: tuple[float, float] | None) -> Figur
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.grid(linewidth=0.5)
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel(f"time since the start ({unit})")
     axes.set_ylabel("shots done")
     return figure
@@ -100,7 +105,10 @@ def draw_pairs(planned: Planned) -> Figure:
     figure = new_figure(4.6, 4.6)
     axes = figure.subplots()
     axes.imshow(_pair_colors(planned), interpolation="none", aspect="auto")
-    for axis, side, name in ((axes.xaxis, planned.view, "view"), (axes.yaxis, planned.light, "light")):
+    for axis, side, name in (
+        (axes.xaxis, planned.view, "view"),
+        (axes.yaxis, planned.light, "light"),
+    ):
         ticks = _theta_ticks(side.theta_deg)
         axis.set_ticks([place - 0.5 for place in ticks], [f"{ticks[p]:g}°" for p in ticks])
         axis.set_tick_params(labelsize=7)
@@ -113,9 +121,9 @@ def _pair_colors(planned: Planned) -> Array:
     """Return red, green, blue and alpha of each pair, shape (lights, views, 4)."""
     from matplotlib.colors import to_rgba
 
-    picture = np.full((len(planned.light), len(planned.view), 4), _NOT_CHOSEN)
+    picture = np.full((len(planned.light), len(planned.view), 4), to_rgba(NOT_CHOSEN))
     for number, pairs in enumerate(planned.refused.values()):
-        picture[pairs] = to_rgba(REFUSED_COLORS[number % len(REFUSED_COLORS)], _REFUSED_ALPHA)
+        picture[pairs] = to_rgba(refused_color(number))
     colors = _time_map()(np.linspace(0.0, 1.0, len(planned.done_s)))
     # of many candidates a single pair would be too small to see
     wide = -(-max(picture.shape[:2]) // _MAP_SIDE) - 1
@@ -128,13 +136,20 @@ def _pair_colors(planned: Planned) -> Array:
 
 
 def _theta_ticks(theta_deg: Array) -> dict[int, float]:
-    """Return at which candidate theta reaches each multiple of 15 deg; none where they are mixed."""
+    """Return at which candidate theta reaches each multiple of 15 deg; none where mixed."""
     if (np.diff(theta_deg) < 0).any():
         return {}
     marks = np.arange(0.0, 90.0, 15.0)
     places = np.searchsorted(theta_deg, marks - 1e-9)
-    last = dict(zip(places.tolist(), marks.tolist(), strict=True))
-    return {place: theta for place, theta in last.items() if place < len(theta_deg)}
+    ticks: dict[int, float] = {}
+    for place, theta in zip(places.tolist(), marks.tolist(), strict=True):
+        # two labels need some room
+        if (
+            place < len(theta_deg)
+            and place >= max(ticks, default=-len(theta_deg)) + len(theta_deg) / 25
+        ):
+            ticks[place] = theta
+    return ticks
 
 
 def _disc() -> tuple[Figure, Axes]:
@@ -146,8 +161,8 @@ def _disc() -> tuple[Figure, Axes]:
     around = np.linspace(0.0, 2.0 * np.pi, 121)
     for ring in _RINGS_DEG:
         axes.plot(ring * np.cos(around), ring * np.sin(around), color=LINE, linewidth=0.8, zorder=0)
-        at = (ring * np.cos(np.radians(22.5)), ring * np.sin(np.radians(22.5)))
-        axes.annotate(f"{ring:g}°", at, color=MUTED, fontsize=6, zorder=5)
+        (x,), (y,) = _flat(np.array([ring + _LABEL_OUT_DEG]), np.array([_LABEL_PHI_DEG]))
+        axes.annotate(f"{ring:g}°", (x, y), color=MUTED, fontsize=6, ha="center", va="center")
     for phi in (0.0, 45.0, 90.0, 135.0):
         x, y = _flat(np.array([90.0, -90.0]), np.array([phi, phi]))
         axes.plot(x, y, color=LINE, linewidth=0.5, zorder=0)
@@ -177,7 +192,7 @@ def _line_in_time(axes: Axes, x: Array, y: Array, linewidth: float) -> None:
         axes.plot(x[start : end + 1], y[start : end + 1], color=color, linewidth=linewidth)
 
 
-def _time_map():  # noqa: ANN202
+def _time_map() -> Colormap:
     from matplotlib.colors import LinearSegmentedColormap
 
     return LinearSegmentedColormap.from_list("time", TIME_COLORS)

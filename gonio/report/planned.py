@@ -84,16 +84,13 @@ class Planned:
         never = np.zeros((len(lights), len(views)), bool)
         for pairs in refused.values():
             never |= pairs
+        no_light, no_view = (np.asarray(never.all(axis=axis)) for axis in (1, 0))
         return cls(
-            light=_directions(plan, "light", lights, never.all(axis=1)),
-            view=_directions(plan, "view", views, never.all(axis=0)),
+            light=_directions(plan, "light", lights, no_light),
+            view=_directions(plan, "view", views, no_view),
             done_s=done_s(plan, rig),
             refused=refused,
         )
-
-    def side(self, name: Side) -> Directions:
-        """Return the candidates of one side."""
-        return self.light if name == "light" else self.view
 
 
 def _directions(
