@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from gonio.directions import from_degrees
 from gonio.timemodel import FRAME_OVERHEAD_S, SETTLE_S, pose_angles_deg, route_times
+from planner.locate import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from planner.candidates import Candidates
 
 Side = Literal["light", "view"]
-_CHUNK = 1024
 
 
 @dataclass(frozen=True)
@@ -96,12 +95,9 @@ class Planned:
 def _directions(
     plan: Plan, side: Side, candidates: Candidates, refused: NDArray[np.bool_]
 ) -> Directions:
-    angles = [(s.axis_deg(f"{side}_theta"), s.axis_deg(f"{side}_phi")) for s in plan.shots]
-    at, among = from_degrees(*np.transpose(angles)), candidates.directions
-    # in parts: a thousand candidates by a hundred thousand shots would not fit
-    parts = [at[start : start + _CHUNK] @ among.T for start in range(0, len(at), _CHUNK)]
-    of_shot = np.concatenate([part.argmax(axis=1) for part in parts])
-    return Directions(candidates.theta_deg, candidates.phi_deg, of_shot, refused)
+    return Directions(
+        candidates.theta_deg, candidates.phi_deg, rows_of(plan, side, candidates), refused
+    )
 
 
 def done_s(plan: Plan, rig: Rig) -> NDArray[np.float64]:
