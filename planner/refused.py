@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from planner.candidates import Candidates
 
 
-def refused_pairs(
-    lights: Candidates, views: Candidates, rig: Rig
-) -> dict[str, NDArray[np.bool_]]:
+def refused_pairs(lights: Candidates, views: Candidates, rig: Rig) -> dict[str, NDArray[np.bool_]]:
     """Return the pairs that `rig` cannot take, shape (L, V) each, by reason; no pair is in two.
 
     Raises

@@ -8,16 +8,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Mapping
     from pathlib import Path
 
-    from planner.field import Field
-
-    from gonio.plan import Plan
-    from gonio.protocols import Prior
     from gonio.report.sweep import Compared
+    from gonio.rig import Rig
 
 ABOUT = (
     "The expected error is the standard deviation of ln(BRDF) that is left under the prior once a "
@@ -26,42 +24,42 @@ ABOUT = (
     "material like few of the prior errs more."
 )
 KNEE = (
-    "the point of the front farthest below the line from its first to its last, both axes "
-    "logarithmic and of length one (Kneedle, Satopaa et al. 2011); it depends on what was tried"
+    "the point of the front farthest below the line from its first to its last, time and the "
+    "logarithm of the error each from 0 to 1 (Kneedle, Satopaa et al. 2011): a minute is a minute "
+    "anywhere, an error counts by its ratio; it depends on the longest time that was tried"
 )
 
 
 def write_pareto(
-    folder: Path,
-    criteria: Sequence[str],
-    plan_of: Callable[..., Plan],
-    field: Field,
-    prior: Prior,
+    folder: Path, criterion: str | None, rig: Rig, settings: Mapping[str, Any]
 ) -> None:
     """Try every design, write `pareto.html` and `pareto.csv` into `folder`, say what one learns.
 
     Parameters
     ----------
-    criteria
-        By name.
-    plan_of
-        `planner.make.make_plan` with everything but a design's settings and the prior.
-    field
-        The candidates that the plans choose from.
+    criterion
+        By name; None: all.
+    settings
+        What `planner.make.make_plan` is called with beside a design's own.
     """
     from gonio.cli._console import console, progress_bar
     from gonio.cli._study_end import show_grids
     from gonio.report.study import write_study
     from gonio.report.sweep import Compared
+    from planner.criteria import CRITERIA
     from planner.expected import ExpectedError, RememberedPrior, rank_for
+    from planner.field import Field
+    from planner.make import make_plan
     from planner.sweep import designs_of, run_sweep
 
-    known = RememberedPrior(prior, rank_for(field))
-    judge = ExpectedError(field, known)
+    lights, views = settings["light_candidates"], settings["view_candidates"]
+    demand = settings["demand"] and settings["demand"](lights, views)
+    field = Field(lights, views, np.ones((len(lights), len(views)), bool), demand)
+    known = RememberedPrior(settings["prior"](), rank_for(field))
+    plan_of = partial(make_plan, rig, **{**settings, "prior": lambda: known})
+    designs = designs_of([criterion] if criterion else CRITERIA)
     with progress_bar("planning") as progress:
-        sweep = run_sweep(
-            designs_of(criteria), partial(plan_of, prior=lambda: known), field, judge, progress
-        )
+        sweep = run_sweep(designs, plan_of, field, ExpectedError(field, known), progress)
     compared = Compared(sweep)
     table, page = folder / "pareto.csv", folder / "pareto.html"
     _write_table(table, compared)

@@ -75,7 +75,7 @@ def write_plan_page(
         longest=max(seconds for _, seconds, _ in of_time) or 1.0,
         drawn=_drawn(plan, planned),
         colors=draw.TIME_COLORS,
-        left_out=_left_out(plan, refused),
+        left_out=list(_left_out(plan, refused)),
         facts=list(facts(plan)),
     )
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
@@ -128,10 +128,12 @@ def _first(planned: Planned) -> str:
 
 def _left_out(
     plan: Plan, refused: Mapping[str, NDArray[np.bool_]]
-) -> Iterator[tuple[str, int, str]]:
+) -> Iterator[tuple[str, str, str]]:
     """Yield why pairs are left out, how many, and their color on the map."""
-    names = list(refused)
+    colors = {reason: draw.refused_color(number) for number, reason in enumerate(refused)}
     for left in plan.left_out:
-        known = left.reason in names
-        color = draw.refused_color(names.index(left.reason)) if known else draw.NOT_CHOSEN
-        yield left.reason, left.shots, color
+        yield left.reason, str(left.shots), colors.get(left.reason, draw.NOT_CHOSEN)
+    counted = {left.reason for left in plan.left_out}
+    for reason, pairs in refused.items():
+        if reason not in counted and pairs.any():
+            yield f"{reason}: never chosen", f"({pairs.sum()})", colors[reason]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from gonio.timemodel import FRAME_OVERHEAD_S, SETTLE_S, pose_angles_deg, route_times
+from gonio.timemodel import pose_angles_deg, route_times
 from planner.locate import rows_of
 
 if TYPE_CHECKING:
@@ -101,13 +101,17 @@ def _directions(
 
 
 def done_s(plan: Plan, rig: Rig) -> NDArray[np.float64]:
-    """Return the seconds from the start to the end of each shot, shape (shots,).
+    """Return about how many seconds from the start each shot ends, shape (shots,).
 
-    What the estimate has beyond the shots themselves, homing and calibration, comes before them.
+    Settling is shared alike by the moves, overhead by the frames; what the estimate has beyond
+    the shots, homing and calibration, comes before them.
     """
+    estimates = plan.estimates
     moves = np.concatenate([[0.0], route_times(pose_angles_deg(plan.shots), rig)])
+    moved = moves > 0
     frames = np.array([len(shot.exposures_s) for shot in plan.shots])
     exposing = np.array([math.fsum(shot.exposures_s) for shot in plan.shots])
-    each = moves + SETTLE_S * (moves > 0) + exposing + FRAME_OVERHEAD_S * frames
-    done: NDArray[np.float64] = np.cumsum(each)
-    return done + max(plan.estimates.total_s - float(done[-1]), 0.0)
+    settling = estimates.settling_s * moved / max(moved.sum(), 1)
+    overhead = estimates.overhead_s * frames / estimates.frames
+    done: NDArray[np.float64] = np.cumsum(moves + settling + exposing + overhead)
+    return done + max(estimates.total_s - float(done[-1]), 0.0)

@@ -14,9 +14,16 @@ from gonio.words import duration
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axis import Axis
+
     from planner.sweep import Outcome, Sweep
 
 _SIZE_IN = (8.5, 6.2)
+_TICKS_S = (
+    *(digit * 10.0**decade for decade in range(-3, 2) for digit in (1, 2, 5)),
+    *(60.0 * minutes for minutes in (2, 5, 10, 20, 30)),
+    *(3600.0 * hours for hours in (1, 2, 4, 8, 24, 72, 168)),
+)
 _NIGHTS_S = (300.0, 600.0, 1200.0, 1800.0, 3600.0, 7200.0, 4 * 3600.0, 8 * 3600.0)
 _ERROR = "expected error: standard deviation of ln(BRDF)"
 _HEAD = ("design", "criterion", "shots", "time", "expected error", "planned in (s)")
@@ -74,12 +81,13 @@ class Compared:
         planning = [_point(each, each.planning_s) for each in self.sweep.outcomes]
         drawings = (
             _drawing("Expected error against acquisition time", self.points,
-                     "estimated time on the rig (s)", self._knee),
+                     "estimated time on the rig", self._knee),
             _drawing("Expected error against planning time", planning,
-                     "time to choose and order (s), the prior's factor not counted", None),
+                     "time to choose and to order, without the prior's factor", None),
         )  # fmt: skip
         grids = (self.nights_grid(), self.front_grid(), self.all_grid())
-        return Section(self.learned(), drawings, grids)
+        learned = self.learned()
+        return Section(learned[0].upper() + learned[1:], drawings, grids, broad=True)
 
 
 def in_words(outcome: Outcome) -> str:
@@ -112,6 +120,7 @@ def _cells(outcome: Outcome) -> tuple[str, ...]:
 def _drawing(title: str, points: Sequence[Point], time_name: str, marked: Point | None) -> Drawing:
     with page_style():
         figure = draw_pareto(points, _ERROR, time_name, _SIZE_IN, marked)
+        _say_times(figure.axes[0].xaxis)
         svg = inline_svg(figure, title.lower().replace(" ", "-"), title)
     ring = " Ring: the knee." if marked else ""
     caption = (
@@ -119,3 +128,12 @@ def _drawing(title: str, points: Sequence[Point], time_name: str, marked: Point 
         f"on the line in both at once.{ring}"
     )
     return Drawing(title, svg, caption)
+
+
+def _say_times(axis: Axis) -> None:
+    """Label an axis of seconds as a person says times."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(FixedLocator([time for time in _TICKS_S if low <= time <= high]))
+    axis.set_major_formatter(FuncFormatter(lambda seconds, _: duration(seconds)))
