@@ -64,9 +64,11 @@ class ExpectedError:
         demand = None if field.demand is None else field.demand.ravel()
         kinds = prior.kinds(*field.pairs, rank_for(field))
         self._unknown = [Unknown(kind, demand) for kind in kinds]
+        weights = np.ones(field.allowed.size) if demand is None else demand
+        # where nothing counts there is no error
+        weights = weights / max(float(weights.sum()), np.finfo(float).tiny)
         self._variance = [
-            np.average(np.square(kind.factor).sum(axis=1)[kind.which], weights=demand)
-            for kind in kinds
+            float(np.square(kind.factor).sum(axis=1)[kind.which] @ weights) for kind in kinds
         ]
 
     def after(self, measured: NDArray[np.int64]) -> float:

@@ -80,16 +80,22 @@ class Sweep:
     refused: tuple[tuple[Design, str], ...]
 
 
-def designs_of(criteria: Iterable[str]) -> list[Design]:
-    """Return products and free pairs of every size by each criterion."""
-    return [
-        design
-        for name in criteria
-        for design in (
-            *(Design(name, side=side) for side in SIDES),
-            *(Design(name, pairs=pairs) for pairs in PAIRS),
+def designs_of(criteria: Iterable[str], field: Field) -> list[Design]:
+    """Return products and free pairs of every size by each criterion, as far as a field goes.
+
+    Raises
+    ------
+    BadInputError
+        When it does not go as far as the smallest.
+    """
+    most, pairs = min(field.allowed.shape), field.allowed.size
+    sizes: list[dict[str, int]] = [{"side": side} for side in SIDES if side <= most]
+    sizes += [{"pairs": count} for count in PAIRS if count <= pairs]
+    if not sizes:
+        raise BadInputError(
+            f"{pairs} pairs of candidates are too few to compare designs; {min(PAIRS)} at least"
         )
-    ]
+    return [Design(name, **size) for name in criteria for size in sizes]
 
 
 def run_sweep(

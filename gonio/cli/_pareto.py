@@ -55,9 +55,9 @@ def write_pareto(
     lights, views = settings["light_candidates"], settings["view_candidates"]
     demand = settings["demand"] and settings["demand"](lights, views)
     field = Field(lights, views, np.ones((len(lights), len(views)), bool), demand)
+    designs = designs_of([criterion] if criterion else CRITERIA, field)
     known = RememberedPrior(settings["prior"](), rank_for(field))
     plan_of = partial(make_plan, rig, **{**settings, "prior": lambda: known})
-    designs = designs_of([criterion] if criterion else CRITERIA)
     with progress_bar("planning") as progress:
         sweep = run_sweep(designs, plan_of, field, ExpectedError(field, known), progress)
     compared = Compared(sweep)

@@ -166,7 +166,9 @@ def command(
             "--pareto tries densities of its own; leave out --density, --views, --lights, --shots "
             "and --plot"
         )
-    if not every:
+    if pareto and not every:
+        _refuse_idle(criterion, "alike", seed, None)
+    if not pareto:
         _refuse_idle(criterion, weight, seed, prior_path)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
