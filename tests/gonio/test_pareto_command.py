@@ -1,6 +1,7 @@
 """`gonio plan --pareto`, on few candidates and a small prior."""
 
 import csv
+import re
 
 import pytest
 from click.testing import CliRunner
@@ -46,8 +47,9 @@ def test_table_page_and_line_agree(run, tmp_path):
         assert beaten or row in front
     page = (tmp_path / "o/pareto.html").read_text()
     assert "gonio plan --pareto" in page
+    told = [float(cell) for cell in re.findall(r">(\d\.\d{4})<", page)]
     for row in rows:
-        assert f"{float(row['expected_error']):.4f}" in page
+        assert min(abs(float(row["expected_error"]) - each) for each in told) < 1e-4
     (knee,) = [row for row in rows if row["knee"] == "1"]
     assert knee in front
     (line,) = [line for line in result.output.splitlines() if line.startswith("the knee: ")]
