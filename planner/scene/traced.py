@@ -80,7 +80,8 @@ def _load(path: Path, material: str) -> Any:
     mitsuba.set_variant("scalar_rgb")
     mitsuba.set_log_level(mitsuba.LogLevel.Error)
     try:
-        scene = mitsuba.load_file(str(path))
+        # not optimized: that makes materials of equal looks one, and loses the names of the others
+        scene = mitsuba.load_file(str(path), optimize=False)
     except Exception as error:  # whatever its parser and its plugins raise
         problem = " ".join(str(error).split())
         raise BadFileError(path, f"cannot be loaded ({problem})", _REMEDY) from None
