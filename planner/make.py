@@ -171,7 +171,7 @@ def _without(
 
 def _checked_shots(shots: int, most: int) -> int:
     if not 1 <= shots <= most:
-        raise BadInputError(f"shots is {shots}; give 1 to {most}, all pairs that can be taken")
+        raise BadInputError(f"shots is {shots}; give 1 to {most}, all pairs that the rig can take")
     return shots
 
 

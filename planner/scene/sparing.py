@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from gonio.errors import BadInputError
 from gonio.plan import LeftOut
 from planner.information import Unknown
 from planner.optimal import RANK, unknown_of
@@ -95,6 +96,7 @@ def plan_for_use(
     BadInputError
         When nothing is left to measure, or fewer pairs than are asked for.
     """
+    _check_count(wanted, field_of(use.omissions()))
     remembered = Remembered(prior)
     judge = _Judge.of(use, field_of({}), remembered)
     last = judge.step(make(prior=lambda: remembered, shots=wanted.shots))
@@ -118,6 +120,16 @@ def plan_for_use(
         last = step
     rows = (row.model_copy(update=spared.get(row.reason, {})) for row in last.plan.left_out)
     return last.plan.model_copy(update={"left_out": tuple(rows)})
+
+
+def _check_count(wanted: Wanted, field: Field) -> None:
+    """Refuse more shots than there are pairs, before any time is spent on choosing them."""
+    most = int(field.allowed.sum())
+    if wanted.shots is not None and wanted.shots > most:
+        raise BadInputError(
+            f"shots is {wanted.shots}; give 1 to {most}, all pairs that the rig can take and that "
+            "count"
+        )
 
 
 def without_color(plan: Plan) -> Plan:
