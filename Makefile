@@ -5,7 +5,7 @@ STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out scenes docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -51,6 +51,9 @@ few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables
 
 designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)
+
+scenes: setup    ## error in three scenes against rig time, by plan, through the twin (10 minutes)
+	$(BIN)/python tests/benchmarks/study_scenes.py
 
 docs: setup      ## the documentation site, in docs/_build
 	$(BIN)/sphinx-build -W --keep-going -q docs docs/_build

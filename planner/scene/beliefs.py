@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gonio.errors import BadInputError
+from gonio.files import sha256_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,11 +28,11 @@ class Remembered:
     def __init__(self, make: Callable[[], Prior]) -> None:
         self._make = make
         self._prior: Prior | None = None
-        self._told: dict[tuple[bytes, bytes, int], list[PriorKind]] = {}
+        self._told: dict[tuple[str, str, int], list[PriorKind]] = {}
 
     def kinds(self, light: Array, view: Array, rank: int) -> list[PriorKind]:
         """Return the covariance of each kind at pairs (see `gonio.protocols.Prior`)."""
-        key = light.tobytes(), view.tobytes(), rank
+        key = sha256_bytes(light.tobytes()), sha256_bytes(view.tobytes()), rank
         if key not in self._told:
             self._prior = self._prior or self._make()
             self._told[key] = self._prior.kinds(light, view, rank)

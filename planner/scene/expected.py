@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from planner.scene.quantities import Array
 
 
+_CHUNK = 1 << 14
+"""Pairs at once: of a thousand directions a side there are a million."""
+
+
 class Expected(NamedTuple):
     """Expected standard deviation of ln(BRDF) after the measurements.
 
@@ -57,7 +61,10 @@ def expected_error(
 
 def _deviation(kind: PriorKind, measured: NDArray[np.bool_]) -> Array:
     """Return the posterior standard deviation at each pair, shape (pairs,)."""
-    rows = kind.factor[kind.which[np.flatnonzero(measured)]]
-    precision = np.eye(rows.shape[1]) + rows.T @ rows / NOISE
-    variance = np.einsum("ij,ij->i", kind.factor, np.linalg.solve(precision, kind.factor.T).T)
+    rows = kind.factor[kind.which[np.flatnonzero(measured)]].astype(np.float64)
+    covariance = np.linalg.inv(np.eye(rows.shape[1]) + rows.T @ rows / NOISE)
+    variance = np.empty(len(kind.factor))
+    for start in range(0, len(variance), _CHUNK):
+        some = kind.factor[start : start + _CHUNK]
+        variance[start : start + _CHUNK] = ((some @ covariance) * some).sum(axis=1)
     return np.asarray(np.sqrt(variance.clip(min=0.0))[kind.which])
