@@ -413,3 +413,50 @@ def test_what_is_left_out_holds_no_more_than_its_share(share):
     assert asked.sum() < all_asked.sum()
     assert not (asked & ~all_asked).any()
     assert demand.weights[~asked].sum() < 3 * share
+
+
+LEVEL = {"kind": "direction", "elevation_deg": 0, "azimuth_deg": 180}
+WALL = {"shape": "flat", "tilt_deg": 90, "azimuth_deg": 180}
+
+
+def test_a_wall_that_turns_all_round_is_a_pillar():
+    pairs = pairs_of(WALL | {"turn_deg": 360}, LEVEL, LEVEL, 14)
+    assert pairs.weight @ pairs.light[:, 2] == pytest.approx(8 / (3 * np.pi), rel=1e-3)
+
+
+def test_what_stands_off_the_axis_of_a_turntable_goes_round_with_it():
+    eye = {"kind": "position", "position_m": [0, -3, 0]}
+    pairs = pairs_of(WALL | {"turn_deg": 360, "centre_m": [0, -1, 0]}, LEVEL, eye, 14)
+    # a pillar of radius 1 seen from 3: up to the angle whose cosine is 1/3
+    assert pairs.light[:, 2].min() == pytest.approx(1 / 3, abs=0.01)
+
+
+def test_a_walker_counts_as_much_as_one_who_stands(make_scene):
+    walker = {"kind": "path", "points_m": [[-10, -1], [10, -1]], "height_m": 0}
+    stands = {"kind": "position", "position_m": [0, -1, 0]}
+    pairs = sample_pairs(make_scene(WALL, LEVEL, [walker, stands]), log2_samples=14)
+    square = 1 + np.linspace(-10, 10, 200001) ** 2
+    cosine = np.sum(square**-1.5) / np.sum(square**-1.0)
+    walks = np.abs(pairs.view[:, 0]) > 1e-9
+    assert pairs.weight[walks].sum() == pytest.approx(cosine / (1 + cosine), rel=0.02)
+
+
+def test_a_walker_keeps_an_even_pace():
+    walker = {"kind": "path", "points_m": [[0, -1], [1, -1], [1, -1], [4, -1]], "height_m": 0}
+    scene = Scene.model_validate({"surface": [WALL], "light": [LEVEL], "viewer": [walker]})
+    random = np.random.default_rng(0).random((1 << 14, 3))
+    seen = scene.viewer[0].seen(random, np.zeros((len(random), 3)))
+    assert np.mean(seen.direction[:, 0] * seen.distance) == pytest.approx(2.0, abs=0.05)
+
+
+def test_what_is_left_out_is_told_by_demand_spread_over_neighbours():
+    far = Candidates("two", np.array([45.0, 45.0]), np.array([0.0, 180.0])).directions
+    weights = np.array([[0.97, 0.01], [0.01, 0.01]])
+    demand = Demand(weights, weights, far, far)
+    spread = np.exp(-2.0)  # of the neighbour, two deviations off
+    near, other = 1 / (1 + spread), spread / (1 + spread)
+    kernel = np.array([[near, other], [other, near]])
+    held = np.cumsum(np.sort((kernel @ weights @ kernel.T).ravel()))
+    for count, share in enumerate(held[:2], start=1):
+        assert demand.asked(share * 0.99).sum() == 5 - count
+        assert demand.asked(share * 1.01).sum() == 4 - count
