@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from planner.reach import apart, refuse_keep_out, within_travel
 from planner.route import plan_route
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from planner.density import Density
 
     Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
+    Omission = Callable[[Field], NDArray[np.bool_]]
 
 FULL_CURRENT_MA = 700.0
 
@@ -43,6 +45,7 @@ def make_plan(
     view_candidates: Candidates | None = None,
     light_candidates: Candidates | None = None,
     demand: Demand | None = None,
+    leave_out: Mapping[str, Omission] | None = None,
     seed: int = 0,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
@@ -65,6 +68,8 @@ def make_plan(
         What to choose from (see `planner.candidates`); the paper's 81 unless given.
     demand
         Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    leave_out
+        Returns of a field which pairs need not be measured, shape (L, V), by reason.
     seed
         Of the random criterion.
 
@@ -79,6 +84,7 @@ def make_plan(
         each or paper_candidates() for each in (light_candidates, view_candidates)
     )
     reach, field = _field_within_reach(light_set, view_set, rig, demand)
+    field, omitted = _without(field, leave_out or {})
     if shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
@@ -108,7 +114,7 @@ def make_plan(
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, choice.measured, measured, rig),
+        left_out=_left_out(reach, omitted, choice.measured, measured, rig),
         estimates=estimate(ordered, rig),
         shots=ordered,
     )
@@ -132,6 +138,35 @@ def _field_within_reach(
             "correct it in the rig file"
         )
     return reach, Field(lights, views, allowed, None if demand is None else demand(lights, views))
+
+
+def field_of(
+    rig: Rig, lights: Candidates, views: Candidates, leave_out: Mapping[str, Omission]
+) -> Field:
+    """Return the pairs that a plan would choose from."""
+    return _without(_field_within_reach(lights, views, rig, None)[1], leave_out)[0]
+
+
+def _without(
+    field: Field, leave_out: Mapping[str, Omission]
+) -> tuple[Field, dict[str, NDArray[np.bool_]]]:
+    """Return the field less what is left out, and which pairs that are, by reason.
+
+    Raises
+    ------
+    BadInputError
+        When nothing is left.
+    """
+    omitted = {}
+    for reason, of in leave_out.items():
+        omitted[reason] = field.allowed & of(field)
+        field = replace(field, allowed=field.allowed & ~omitted[reason])
+        if not field.allowed.any():
+            raise BadInputError(
+                f"no pair is left: all that the rig can take {reason}; widen the scene, or the "
+                "travel in the rig file"
+            )
+    return field, omitted
 
 
 def _checked_shots(shots: int, most: int) -> int:
@@ -162,14 +197,23 @@ def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tupl
 
 
 def _left_out(
-    reach: NDArray[np.bool_], chosen: NDArray[np.bool_], measured: NDArray[np.bool_], rig: Rig
+    reach: NDArray[np.bool_],
+    omitted: Mapping[str, NDArray[np.bool_]],
+    chosen: NDArray[np.bool_],
+    measured: NDArray[np.bool_],
+    rig: Rig,
 ) -> tuple[LeftOut, ...]:
     """Return why each pair that is not measured is not, in the order of the checks."""
     separation = f"closer than {rig.arm.min_separation_deg:g} deg (arm.min_separation_deg)"
     reasons = {
         "beyond the travel of an axis": ~reach,
-        "not chosen at this density": reach & ~chosen,
+        **omitted,
+        "not chosen at this density": reach & ~chosen & ~np.any([*omitted.values()], axis=0),
         separation: chosen & ~measured,
     }
     counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
-    return tuple(LeftOut(reason=reason, shots=shots) for reason, shots in counts.items() if shots)
+    return tuple(
+        LeftOut(reason=reason, shots=shots)
+        for reason, shots in counts.items()
+        if shots or reason in omitted
+    )

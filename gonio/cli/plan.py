@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from gonio.cli._scene import SceneOptions, scene_options, spared_rows
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gonio.plan import Plan
+    from gonio.protocols import Prior
     from planner.candidates import Candidates
 
 
@@ -76,6 +79,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
+@scene_options
 @click.option(
     "--prior",
     "prior_path",
@@ -123,6 +127,11 @@ def command(
     light_candidates: str | None,
     seed: int | None,
     shots: int | None,
+    scene: Path | None,
+    material: str | None,
+    isotropic: bool,
+    mono: bool,
+    plot_demand: Path | None,
     prior_path: Path | None,
     rig_path: Path | None,
     output: Path,
@@ -140,8 +149,11 @@ def command(
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --candidates fibonacci:300 --shots 196
         gonio plan --rig rig.toml --plot directions.png
+        gonio plan --scene wall.toml             only what the scene asks for
         gonio plan --pareto                      how many shots are worth their time
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from functools import partial
+
     from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
@@ -160,16 +172,18 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
+    use = SceneOptions(scene, material, isotropic, mono, plot_demand)
     every = pareto and context.get_parameter_source("criterion") is ParameterSource.DEFAULT
-    if pareto and (shots is not None or views or lights or given or plot):
+    if pareto and (shots is not None or views or lights or given or plot or use.given):
         raise BadInputError(
-            "--pareto tries densities of its own; leave out --density, --views, --lights, --shots "
-            "and --plot"
+            "--pareto tries densities of its own; leave out --density, --views, --lights, --shots, "
+            "--scene, --isotropic and --plot"
         )
     if pareto and not every:
         _refuse_idle(criterion, "alike", seed, None)
     if not pareto:
         _refuse_idle(criterion, weight, seed, prior_path)
+        use.check(criterion, weight, output)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
@@ -182,24 +196,34 @@ def command(
     view_set = candidates_named(view_candidates or candidates)
     light_set = candidates_named(light_candidates or candidates)
     settings: dict[str, Any] = {
-        "prior": lambda: prior or material_prior(None),
         "view_candidates": view_set,
         "light_candidates": light_set,
         "demand": cosine_demand if weight == "cosine" else None,
         "seed": seed or 0,
     }
     rig = load_rig(rig_path) if rig_path else default_rig()
+
+    def believed() -> Prior:
+        return prior or material_prior(None)
+
     if pareto:
+        settings["prior"] = believed
         write_pareto(output.parent, None if every else criterion, rig, settings)
         return
-    plan = make_plan(
+    make = partial(
+        make_plan,
         rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
-        shots=shots,
         **settings,
     )
+    if use.given:
+        fewest = shots is None and not (views or lights or given)
+        plan = use.plan(make, rig, (light_set, view_set), believed, shots, fewest=fewest)
+    else:
+        plan = make(shots=shots, prior=believed)
+    plan = use.finish(plan)
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
@@ -212,6 +236,7 @@ def command(
     if plot:
         _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")
+    use.draw()
 
 
 def _print_table(plan: Plan) -> None:
@@ -239,6 +264,7 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
+        yield from spared_rows(left_out)
     yield "estimated time", duration(estimates.total_s)
     for name in ("moving", "settling", "exposing", "overhead"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
