@@ -86,12 +86,19 @@ class LeftOut(Document):
 
 
 class Estimates(Document):
-    """What the plan will cost on the rig that it was made for."""
+    """What the plan will cost on the rig that it was made for.
+
+    `total_lo_s` and `total_hi_s` are the 5 and 95 % quantiles of the whole; `timing_sha256` is of
+    the timing that was measured on the rig, None where it was not.
+    """
 
     moving_s: float = Field(ge=0)
     settling_s: float = Field(ge=0)
     exposing_s: float = Field(ge=0)
     overhead_s: float = Field(ge=0)
+    total_lo_s: float | None = Field(default=None, ge=0)
+    total_hi_s: float | None = Field(default=None, ge=0)
+    timing_sha256: str | None = None
     frames: int = Field(ge=0)
     storage_bytes: int = Field(ge=0)
 

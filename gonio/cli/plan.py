@@ -11,7 +11,7 @@ from click.core import ParameterSource
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Plan
+    from gonio.plan import Estimates, Plan
 
 
 @click.command(name="plan")
@@ -156,11 +156,21 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
-    yield "estimated time", duration(estimates.total_s)
+    yield "estimated time", _with_interval(estimates)
     for name in ("moving", "settling", "exposing", "overhead"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
+
+
+def _with_interval(estimates: Estimates) -> str:
+    from gonio.cli._console import duration
+
+    total = duration(estimates.total_s)
+    if estimates.total_lo_s is None or estimates.total_hi_s is None:
+        return total
+    low, high = duration(estimates.total_lo_s), duration(estimates.total_hi_s)
+    return f"{total} (5 to 95 %: {low} to {high})"
 
 
 def _draw(plan: Plan, path: Path) -> None:
