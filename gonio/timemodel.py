@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.approach import first_stop_deg
 from gonio.eta import Budget
 from gonio.homing import homing_time
 from gonio.plan import Estimates
@@ -63,6 +64,9 @@ def pose_angles_deg(shots: Sequence[Shot]) -> Array:
 def route_times(angles_deg: Array, rig: Rig, timing: Timing | None = None) -> Array:
     """Return the seconds of each move along a route until the axes, moving together, are there.
 
+    Axes that are approached from one side (`approach_deg`) go to where their run-up begins, and
+    when all have arrived make that together.
+
     Parameters
     ----------
     angles_deg
@@ -77,36 +81,48 @@ def route_times(angles_deg: Array, rig: Rig, timing: Timing | None = None) -> Ar
     ndarray
         Shape (n - 1,).
     """
+    return np.asarray(np.max(_arrivals(angles_deg, rig, timing), axis=0))
+
+
+def _arrivals(angles_deg: Array, rig: Rig, timing: Timing | None) -> Array:
+    """Return when each axis arrives in each move, shape (4, moves); 0 where it stays."""
     axes = rig.axis if timing is None else timing.axis
-    steps = np.diff(angles_deg, axis=0)
-    times = [move_time(steps[:, i], axes[name]) for i, name in enumerate(AXES)]
-    return np.asarray(np.max(times, axis=0))
+    starts, goals = angles_deg[:-1].T, angles_deg[1:].T
+    stops = np.array(
+        [first_stop_deg(starts[i], goals[i], rig.axis[name]) for i, name in enumerate(AXES)]
+    )
+    first, run_up = (
+        np.array([move_time(ways[i], axes[name]) for i, name in enumerate(AXES)])
+        for ways in (stops - starts, goals - stops)
+    )
+    return np.where(run_up > 0, first.max(axis=0) + run_up, first)
 
 
-def still_times(angles_deg: Array, timing: Timing) -> Array:
+def still_times(angles_deg: Array, rig: Rig, timing: Timing) -> Array:
     """Return the seconds of each move along a route until both arms are still.
 
     Parameters
     ----------
     angles_deg
         Shape (n, 4), as from `pose_angles_deg`.
+    rig, timing
+        The rig, and how it acts.
 
     Returns
     -------
     ndarray
         Shape (n - 1,).
     """
-    view_theta, view_phi, light_theta, light_phi = _settled(angles_deg, timing)
+    view_theta, view_phi, light_theta, light_phi = _settled(angles_deg, rig, timing)
     arms = ((view_theta, view_phi), (light_theta, light_phi))
     return np.asarray(np.max([_together(*axes, timing.ring_down_s) for axes in arms], axis=0))
 
 
-def _settled(angles_deg: Array, timing: Timing) -> Array:
+def _settled(angles_deg: Array, rig: Rig, timing: Timing) -> Array:
     """Return until when each axis alone would shake its arm, shape (4, moves); 0 if it stays."""
-    steps = np.diff(angles_deg, axis=0)
-    axes = [timing.axis[name] for name in AXES]
-    times = [move_time(steps[:, i], axis) + axis.settle.mean_s for i, axis in enumerate(axes)]
-    return np.where(steps.T != 0, times, 0.0)
+    arrivals = _arrivals(angles_deg, rig, timing)
+    settle_s = np.array([timing.axis[name].settle.mean_s for name in AXES])
+    return np.where(arrivals > 0, arrivals + settle_s[:, None], 0.0)
 
 
 def _together(one: Array, other: Array, ring_down_s: float) -> Array:
@@ -138,18 +154,18 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
     home = [rig.axis[name].to_degrees(0) for name in AXES]
     white = [WHITE_POSE_DEG[name] for name in AXES]
     angles_deg = np.vstack([home, white, pose_angles_deg(shots)])
-    moving, still = route_times(angles_deg, rig, timing), still_times(angles_deg, timing)
+    moving, still = route_times(angles_deg, rig, timing), still_times(angles_deg, rig, timing)
     calibration = calibration_exposures_s(shots)
     frames = sum(len(shot.exposures_s) for shot in shots) + len(calibration)
     exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots) + math.fsum(calibration)
     budget = Budget()
     budget.add_seconds(exposing)
-    _add_moves(budget, angles_deg, moving, still, timing)
+    _add_moves(budget, _settled(angles_deg, rig, timing), moving, still, timing)
     # the way to the first shot begins when all white frames are in
     overlapped = np.minimum(still[2:] + timing.lamps.mean_s, timing.read_out.mean_s)
+    homing = budget.add(homing_time(rig, timing))
     overhead = (
-        budget.add(homing_time(rig, timing))
-        + budget.add(timing.startup)
+        budget.add(timing.startup)
         + budget.add(timing.lamps, len(shots))
         + budget.add(timing.hold, frames)
         + budget.add(timing.read_out, frames)
@@ -161,6 +177,7 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
         settling_s=float((still - moving).sum()),
         exposing_s=exposing,
         overhead_s=overhead,
+        homing_s=homing,
         total_lo_s=low_s,
         total_hi_s=high_s,
         timing_sha256=timing.sha256 if timing.measured else None,
@@ -169,12 +186,10 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
     )
 
 
-def _add_moves(
-    budget: Budget, angles_deg: Array, moving: Array, still: Array, timing: Timing
-) -> None:
+def _add_moves(budget: Budget, settled: Array, moving: Array, still: Array, timing: Timing) -> None:
     """Add the moves of a route, each as sure as the axis that it waits for."""
     axes = [timing.axis[name] for name in AXES]
-    last = np.argmax(_settled(angles_deg, timing), axis=0)
+    last = np.argmax(settled, axis=0)
     moved = still > 0
     variance_s2 = np.array([axis.sd_s**2 + axis.settle.sd_s**2 for axis in axes])[last]
     speed, settle_s = np.array([(axis.error, axis.settle.error_s) for axis in axes]).T[:, last]

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from gonio.errors import BadFileError
 from gonio.files import canonical_json, sha256_bytes, write_json
-from gonio.rig import AXES, Axis, Rig
+from gonio.rig import AXES, Axis, Lamps, Rig
 from gonio.validation import Document, check, parse_json, read_text, within
 
 SCHEMA: Final = "gonio.timing/1"
@@ -189,6 +189,8 @@ class _BuiltIn(Document):
     hold: Spread
     read_out: Spread
     white_level_s: float
+    white_lamps: int
+    white_distance_m: float
 
     def axis(self, spec: Axis, limit_urad: float) -> AxisTiming:
         """Return how an axis of these speeds would act."""
@@ -205,6 +207,11 @@ class _BuiltIn(Document):
             homing_velocity_deg_s=search,
             homing_s=ramps + past_edge + self.homing_notice_s,
         )
+
+    def white(self, lamps: Lamps) -> float:
+        """Return the exposure that fills the camera's range under these lamps."""
+        nearer = (self.white_distance_m / lamps.distance_m) ** 2
+        return self.white_level_s * self.white_lamps / len(lamps.lamp) / nearer
 
     def _settle(self, acceleration: float, limit_urad: float) -> Spread:
         # an arm is kicked in proportion to the ramp of its stop, and rings down exponentially
@@ -233,5 +240,5 @@ def default_timing(rig: Rig) -> Timing:
         lamps=known.lamps,
         hold=known.hold,
         read_out=known.read_out,
-        white_level_s=known.white_level_s,
+        white_level_s=known.white(rig.lamps),
     )

@@ -10,9 +10,11 @@ from gonio.errors import BadInputError
 from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
+from gonio.timing import default_timing
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named, reciprocal_pairs
 from planner.density import count_of
+from planner.exposures import with_predicted_exposures
 from planner.reach import apart, refuse_keep_out, within_travel
 from planner.route import plan_route
 
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Prior
     from gonio.rig import Rig
+    from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
 
@@ -37,10 +40,12 @@ def make_plan(
     criterion: str = "farthest",
     shots: int | None = None,
     prior: Callable[[], Prior] | None = None,
+    timing: Timing | None = None,
+    bracket: str = "all",
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
-    Every shot takes all of the rig's exposures, with all of its lamps at 700 mA.
+    Every shot is taken with all of the rig's lamps at 700 mA.
 
     Parameters
     ----------
@@ -53,7 +58,12 @@ def make_plan(
     shots
         Choose so many pairs freely, rather than all pairs of some views and lights.
     prior
-        Makes what is believed of the material, for criteria that ask.
+        Makes what is believed of the material, for criteria that ask, and for predicted exposures.
+    timing
+        How the rig acts; without it, as `gonio.timing.default_timing` expects.
+    bracket
+        `all` of the rig's exposures for every shot, or those `predicted` to show it (see
+        `planner.exposures`).
 
     Raises
     ------
@@ -79,6 +89,10 @@ def make_plan(
             f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
         )
     ordered, method = _in_order(candidates, measured, rig)
+    if bracket == "predicted":
+        if prior is None:
+            raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
+        ordered = with_predicted_exposures(ordered, prior(), rig, timing or default_timing(rig))
     selection = Selection(
         criterion=criterion,
         candidates=candidates.name,
@@ -93,7 +107,7 @@ def make_plan(
         rig_sha256=rig.sha256,
         selection=selection,
         left_out=_left_out(reach, choice.measured, measured, rig),
-        estimates=estimate(ordered, rig),
+        estimates=estimate(ordered, rig, timing),
         shots=ordered,
     )
 

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
     from gonio.plan import Estimates, Plan
 
+BRACKETS = ("all", "predicted")
+DEFAULT_BRACKET = "all"
+
 
 @click.command(name="plan")
 @click.option(
@@ -61,6 +64,21 @@ if TYPE_CHECKING:
     "--rig", "rig_path", type=click.Path(path_type=Path), help="A rig file.  [default: built in]"
 )
 @click.option(
+    "--timing",
+    "timing_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="What the rig takes, from gonio rig bench.  [default: rig-timing.json beside the rig file "
+    "or here, if it is of this rig]",
+)
+@click.option(
+    "--bracket",
+    type=click.Choice(BRACKETS, case_sensitive=False),
+    default=DEFAULT_BRACKET,
+    show_default=True,
+    help="Exposures of a shot. all: every one of the rig file. predicted: the fewest that "
+    "show it, however bright a material of the prior may be there.",
+)
+@click.option(
     "-o",
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -83,6 +101,8 @@ def command(
     shots: int | None,
     prior_path: Path | None,
     rig_path: Path | None,
+    timing_path: Path | None,
+    bracket: str,
     output: Path,
     plot: Path | None,
 ) -> None:
@@ -95,8 +115,10 @@ def command(
         gonio plan --density va-is               all views, a sixth of the lights
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --rig rig.toml --plot directions.png
+        gonio plan --bracket predicted           only the exposures that a shot may need
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._prior import material_prior
+    from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
@@ -109,19 +131,22 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
-    if prior_path and criterion == "farthest":
+    if prior_path and criterion == "farthest" and bracket == "all":
         raise BadInputError("criterion farthest knows no prior; leave out --prior")
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
+    rig = load_rig(rig_path) if rig_path else default_rig()
     plan = make_plan(
-        load_rig(rig_path) if rig_path else default_rig(),
+        rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
         shots=shots,
         prior=lambda: prior or material_prior(None),
+        timing=timing_for(rig, rig_path, timing_path),
+        bracket=bracket,
     )
     plan.save(output)
     _print_table(plan)
@@ -157,8 +182,9 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
     yield "estimated time", _with_interval(estimates)
-    for name in ("moving", "settling", "exposing", "overhead"):
+    for name in ("moving", "settling", "exposing", "overhead", "homing"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
+    yield "  timing", _timing_of(estimates)
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
 
@@ -171,6 +197,12 @@ def _with_interval(estimates: Estimates) -> str:
         return total
     low, high = duration(estimates.total_lo_s), duration(estimates.total_hi_s)
     return f"{total} (5 to 95 %: {low} to {high})"
+
+
+def _timing_of(estimates: Estimates) -> str:
+    if estimates.timing_sha256 is None:
+        return "as the built-in rig takes it; measure yours with: gonio rig bench"
+    return f"measured, sha256 {estimates.timing_sha256[:12]}"
 
 
 def _draw(plan: Plan, path: Path) -> None:
