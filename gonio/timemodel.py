@@ -170,6 +170,7 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
         + budget.add(timing.hold, frames)
         + budget.add(timing.read_out, frames)
         + budget.add_seconds(-math.fsum(overlapped))
+        + budget.add_seconds(_waiting_for_lamps(shots, still[1:], rig, timing))
     )
     low_s, high_s = budget.interval_s
     return Estimates(
@@ -184,6 +185,24 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
         frames=frames,
         storage_bytes=frames * frame_bytes(rig),
     )
+
+
+def _waiting_for_lamps(shots: Sequence[Shot], still: Array, rig: Rig, timing: Timing) -> float:
+    """Return the seconds of warming up and of resting, as `gonio.capture` waits for them."""
+    lamps = rig.lamps
+    if not lamps.rest_s:
+        return lamps.warm_up_s
+    frame_s = timing.hold.mean_s + timing.read_out.mean_s
+    white = WHITE_FRAMES * exposures_of(shots)
+    waited_s = lamps.warm_up_s
+    lit_s = lamps.warm_up_s + math.fsum(white) + frame_s * len(white)
+    for shot, move_s in zip(shots, still, strict=True):
+        lit_s += move_s
+        if lit_s >= lamps.rest_after_s:
+            lit_s, waited_s = lamps.warm_up_s, waited_s + lamps.rest_s + lamps.warm_up_s
+        lit_s += timing.lamps.mean_s + math.fsum(shot.exposures_s)
+        lit_s += frame_s * len(shot.exposures_s)
+    return waited_s
 
 
 def _add_moves(budget: Budget, settled: Array, moving: Array, still: Array, timing: Timing) -> None:

@@ -22,6 +22,7 @@ _STRONG = 10.0
 # onsets of the ramp from which the fit of an S-curve starts, in shares of the ramp
 _ONSETS = (0.1, 0.5, 1.0)
 _SPAN = 100.0
+_PRECISION = 1e-10
 
 
 class Profile(NamedTuple):
@@ -68,8 +69,10 @@ def fit_profile(
     """
     distance = np.abs(distance_deg)
     nominal = np.array([velocity_deg_s, acceleration_deg_s2])
-    late = max(float(np.min(time_s - trapezoid_s(distance, *nominal))), RESOLUTION_S)
+    late = max(float(np.min(time_s - trapezoid_s(distance, *nominal))), 0.0)
     trapezoid = _fit(np.array([late, *nominal]), distance, time_s)
+    if _squares(trapezoid[1]) <= len(distance) * RESOLUTION_S**2:
+        return _profile(*trapezoid, distance)
     ramp = velocity_deg_s / acceleration_deg_s2
     starts = [np.array([late, *nominal, acceleration_deg_s2 / (s * ramp)]) for s in _ONSETS]
     s_curve = min(
@@ -80,24 +83,30 @@ def fit_profile(
 
 
 _Fit = tuple["Array", "Array", "Array"]
-"""Parameters, residuals in s, and their Jacobian by the parameters' logarithms."""
+"""Parameters; residuals in s; their Jacobian by latency and the others' logarithms."""
 
 
 def _fit(start: Array, distance: Array, time_s: Array) -> _Fit:
     from scipy.optimize import least_squares
 
-    log = np.log(start)
+    x = np.concatenate([start[:1], np.log(start[1:])])
+    reach = np.concatenate([[np.inf], np.full(len(x) - 1, np.log(_SPAN))])
     try:
         found = least_squares(
-            lambda x: _times(np.exp(x), distance) - time_s,
-            log, bounds=(log - np.log(_SPAN), log + np.log(_SPAN)), x_scale=0.1,
+            lambda x: _times(_parameters(x), distance) - time_s,
+            x, bounds=(np.maximum(x - reach, [0.0, *[-np.inf] * (len(x) - 1)]), x + reach),
+            x_scale=0.1, ftol=_PRECISION, xtol=_PRECISION, gtol=_PRECISION,
         )  # fmt: skip
     except ValueError as error:
         raise DeviceFaultError(
             f"the moves' times fit no profile ({error}); measure again, and compare the axis' "
             "speed and acceleration in the rig file with what it does"
         ) from None
-    return np.exp(found.x), np.asarray(found.fun), np.asarray(found.jac)
+    return _parameters(found.x), np.asarray(found.fun), np.asarray(found.jac)
+
+
+def _parameters(x: Array) -> Array:
+    return np.concatenate([x[:1], np.exp(x[1:])])
 
 
 def _times(parameters: Array, distance: Array) -> Array:

@@ -7,6 +7,7 @@ import shutil
 from typing import TYPE_CHECKING
 
 from gonio.capture.frames import FrameTaker
+from gonio.capture.lighting import Lighting
 from gonio.capture.wanted import Missing
 from gonio.errors import DeviceFaultError, StorageError
 from gonio.rig import AXES
@@ -49,6 +50,7 @@ class Capture:
         self._journal = journal
         self._plan = session.plan()
         self._rig = session.rig()
+        self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
         self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
@@ -110,10 +112,10 @@ class Capture:
             return
         self._operator.place("reference")
         self._instrument.arm.move(WHITE_POSE_DEG)
-        self._instrument.lamps.off()
+        self._lighting.off()
         with self._taker(counter) as taker:
             taker.take(dark, self._session.calibration)
-            self._instrument.lamps.apply(self._white_lamps())
+            self._lighting.apply(self._white_lamps())
             taker.take(white, self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
@@ -123,7 +125,7 @@ class Capture:
 
     def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:
         self._instrument.arm.move({name: shot.axis_deg(name) for name in AXES})
-        self._instrument.lamps.apply(shot.lamps)
+        self._lighting.apply(shot.lamps)
         taker.take(frames, self._session.raw)
 
     def _taker(self, counter: _Counter) -> FrameTaker:
