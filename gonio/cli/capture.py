@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -189,7 +190,13 @@ def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None) -> Plan:
         return Plan.load(found)
     click.echo("no plan.json here, so this measures density sixth (see gonio plan --help)")
     timing = timing_for(rig, rig_path, None)
-    return make_plan(rig, criterion="i-optimal", prior=MaterialPrior.generate, timing=timing)
+    return make_plan(
+        rig,
+        criterion="i-optimal",
+        prior=cache(MaterialPrior.generate),
+        timing=timing,
+        bracket="predicted" if timing else "all",
+    )
 
 
 def _measure(session: Session, settings: TwinSettings) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from gonio.plan import Estimates, Plan
 
 BRACKETS = ("all", "predicted")
-DEFAULT_BRACKET = "all"
 
 
 @click.command(name="plan")
@@ -73,10 +73,9 @@ DEFAULT_BRACKET = "all"
 @click.option(
     "--bracket",
     type=click.Choice(BRACKETS, case_sensitive=False),
-    default=DEFAULT_BRACKET,
-    show_default=True,
     help="Exposures of a shot. all: every one of the rig file. predicted: the fewest that "
-    "show it, however bright a material of the prior may be there.",
+    "show it, however bright a material of the prior may be there.  [default: predicted where "
+    "the rig's timing was measured, else all]",
 )
 @click.option(
     "-o",
@@ -102,7 +101,7 @@ def command(
     prior_path: Path | None,
     rig_path: Path | None,
     timing_path: Path | None,
-    bracket: str,
+    bracket: str | None,
     output: Path,
     plot: Path | None,
 ) -> None:
@@ -131,21 +130,24 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
+    rig = load_rig(rig_path) if rig_path else default_rig()
+    timing = timing_for(rig, rig_path, timing_path)
+    # how bright shots come out hangs on the camera, of which only a measurement tells
+    bracket = bracket or ("predicted" if timing else "all")
     if prior_path and criterion == "farthest" and bracket == "all":
         raise BadInputError("criterion farthest knows no prior; leave out --prior")
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
-    rig = load_rig(rig_path) if rig_path else default_rig()
     plan = make_plan(
         rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
         shots=shots,
-        prior=lambda: prior or material_prior(None),
-        timing=timing_for(rig, rig_path, timing_path),
+        prior=cache(lambda: prior or material_prior(None)),
+        timing=timing,
         bracket=bracket,
     )
     plan.save(output)
@@ -193,15 +195,15 @@ def _with_interval(estimates: Estimates) -> str:
     from gonio.cli._console import duration
 
     total = duration(estimates.total_s)
-    if estimates.total_lo_s is None or estimates.total_hi_s is None:
+    if estimates.total_hi_s is None:
         return total
-    low, high = duration(estimates.total_lo_s), duration(estimates.total_hi_s)
-    return f"{total} (5 to 95 %: {low} to {high})"
+    reach_s = estimates.total_hi_s - estimates.total_s
+    return f"{total} +- {duration(reach_s)} (5 to 95 %)"
 
 
 def _timing_of(estimates: Estimates) -> str:
     if estimates.timing_sha256 is None:
-        return "as the built-in rig takes it; measure yours with: gonio rig bench"
+        return "as built in; measure yours: gonio rig bench"
     return f"measured, sha256 {estimates.timing_sha256[:12]}"
 
 

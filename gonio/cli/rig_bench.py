@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gonio.rig import Rig
     from gonio.timing import Spread
 
-_CLEARLY = 0.02
+_CLEARLY = 0.05
 
 
 @click.command(name="bench")

@@ -193,8 +193,8 @@ class Family:
     def expected(self, pairs: Pairs, settings: Settings) -> tuple[Array, Array]:
         """Return mean and variance of ln(BRDF + 0.01 white) in 1/sr at pairs, shape (n,) each.
 
-        The scale is that of the examples' whites: where a material's values are to be foretold,
-        and not its shape, it is told by them.
+        The scale is that of the examples' whites, taken as independent of the shape: among the
+        examples those with strong highlights are dark, which real materials need not be.
         """
         traits, scale = self.traits(pairs), np.log(self.white)
         middle = scale @ self.weights

@@ -75,6 +75,18 @@ def test_a_plan_finds_it_and_says_so(gonio, folder):
     plan = Plan.load(folder / "plan.json")
     assert plan.estimates.timing_sha256 == timing.sha256
     assert plan.estimates.total_lo_s < plan.estimates.total_s < plan.estimates.total_hi_s
+    # now that the camera is known, shots take what they may need
+    all_exposures = load_rig(folder / "rig.toml").camera.exposures_s
+    assert all(set(shot.exposures_s) < set(all_exposures) for shot in plan.shots)
+
+
+def test_all_exposures_where_nothing_was_measured_or_it_is_asked_for(gonio, folder):
+    options = ("plan", "--density", "2", "--criterion", "farthest")
+    all_exposures = load_rig(folder / "rig.toml").camera.exposures_s
+    for more in (("--rig", "rig.toml", "--bracket", "ALL"), ()):
+        assert gonio(*options, *more).returncode == 0
+        plan = Plan.load(folder / "plan.json")
+        assert all(shot.exposures_s == all_exposures for shot in plan.shots)
 
 
 OTHERS = {
