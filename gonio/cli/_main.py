@@ -32,6 +32,7 @@ COMMANDS = {
     "reduce": "Turn a session's raw frames into BRDF samples with sigma.",
     "reconstruct": "Turn a session, or a table of samples, into an NN-BRDF with a report.",
     "prior": "Make a prior of what materials look like from your own sessions.",
+    "rig": "Measure what a rig takes, so that plans tell their time well.",
     "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
 }

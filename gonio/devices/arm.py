@@ -13,7 +13,7 @@ from gonio.profiles import load_profile
 from gonio.rig import AXES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping
 
     from gonio.clock import Clock
     from gonio.rig import Rig
@@ -65,8 +65,13 @@ class Arm:
             for axis in self._axes.values():
                 axis.enable()
 
-    def home(self) -> None:
+    def home(self, anew: Collection[str] = ()) -> None:
         """Home all axes that do not know their position, at once.
+
+        Parameters
+        ----------
+        anew
+            Names of axes to home though they know it.
 
         Raises
         ------
@@ -76,7 +81,9 @@ class Arm:
         with self._stopped_on_fault():
             timeout_s = self._rig.arm.homing_timeout_s
             deadline_s = self._clock.now() + timeout_s
-            waiting = [axis for axis in self._axes.values() if axis.begin_homing()]
+            waiting = [
+                axis for name, axis in self._axes.items() if axis.begin_homing(anew=name in anew)
+            ]
             while waiting := [axis for axis in waiting if not axis.has_homed()]:
                 if self._clock.now() >= deadline_s:
                     raise waiting[0].fault(f"is not home after {timeout_s:g} s")
@@ -97,6 +104,11 @@ class Arm:
         gonio.errors.DeviceFaultError
             When an axis is not homed, a drive refuses or fails, or the arm does not get still.
         """
+        self.go(angles_deg)
+        self.settle(angles_deg)
+
+    def go(self, angles_deg: Mapping[str, float]) -> None:
+        """Move as `move` does, and wait until the axes are in position, however they shake."""
         for name, angle in angles_deg.items():
             if name not in self._axes:
                 raise BadInputError(f"there is no axis {name!r}; use {', '.join(AXES)}")
@@ -106,7 +118,21 @@ class Arm:
             if detours:
                 self._go({**angles_deg, **detours})
             self._go({name: angles_deg[name] for name in detours or angles_deg})
+
+    def settle(self, angles_deg: Mapping[str, float]) -> None:
+        """Wait until the arms of the axes named are still.
+
+        Raises
+        ------
+        gonio.errors.DeviceFaultError
+            When one does not get still.
+        """
+        with self._stopped_on_fault():
             self._settle(angles_deg)
+
+    def shaking_urad(self, name: str) -> int:
+        """Return the residual vibration of the arm of an axis; 65535 while it moves."""
+        return self._axes[name].settle_urad()
 
     def angles_deg(self) -> dict[str, float]:
         """Return where all axes are by their encoders, in degrees."""
