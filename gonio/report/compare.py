@@ -25,7 +25,6 @@ _TIMES = (
     ("Error against fitting time", "fit_seconds", "time of the fit (s)"),
     ("Error against evaluation time", "million_seconds", "time of a million pairs (s)"),
 )
-_LEAST_ERROR = 1e-3
 _SIZE_IN = (4.2, 3.4)
 
 
@@ -81,11 +80,7 @@ def left_out_of(entries: Sequence[Entry]) -> str:
 
 
 def _race(entries: Sequence[Entry], title: str, field: str, time_name: str) -> Drawing:
-    points = [
-        # a logarithmic axis has no zero
-        Point(entry.name, getattr(entry, field), max(entry.eps8, _LEAST_ERROR))
-        for entry in entries
-    ]
+    points = [Point(entry.name, getattr(entry, field), entry.eps8) for entry in entries]
     with page_style():
         figure = draw_pareto(points, "eps8 (8-bit steps)", time_name, _SIZE_IN)
         svg = inline_svg(figure, "-".join(title.lower().split()), title)

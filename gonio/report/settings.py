@@ -68,7 +68,8 @@ def _pareto(material: str, settings: Mapping[str, Ranked]) -> Drawing | None:
     points = [
         Point(name, seconds, error)
         for name, ranked in settings.items()
-        if (seconds := _middle(ranked.times)) and (error := _middle(ranked.errors))
+        if (seconds := _middle(ranked.times)) is not None
+        and (error := _middle(ranked.errors)) is not None
     ]
     if not points:
         return None
