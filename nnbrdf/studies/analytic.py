@@ -40,7 +40,8 @@ class Result:
     numbers
         How many parameters or weights it has.
     scores
-        Over the 81 x 81 grid; of networks the medians over the seeds, infinite where most diverged.
+        Over the 81 x 81 grid; of networks the medians over the seeds, infinite where half or more
+        diverged.
     fit_seconds
         What the fit took, or the training of one network.
     million_seconds

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass
-from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ class Row:
     name
         What was varied.
     cells
-        Median over the seeds, a column each; None where most of them diverged.
+        Median over the seeds, a column each; None where half of them or more diverged.
     mean
         Of the cells; None where a cell is.
     rank
@@ -107,11 +106,17 @@ def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
 def median_of(outcomes: Sequence[Outcome], metric: str) -> float:
     """Return the median; what diverged is worse than anything, and so is what was never trained.
 
-    A training has no `sphere_psnr_db` where its picture is perfect: it is infinite.
+    A training has no `sphere_psnr_db` where its picture is perfect: it is infinite. Of two in the
+    middle that are not both finite, it is the worse.
     """
     worst = worst_of(metric)
     values = [worst if outcome.diverged else getattr(outcome, metric) for outcome in outcomes]
-    return median(math.inf if value is None else value for value in values) if values else worst
+    known = sorted((math.inf if each is None else each for each in values), reverse=worst < 0.0)
+    if not known:
+        return worst
+    better, worse = known[(len(known) - 1) // 2], known[len(known) // 2]
+    # the mean of two infinities may be no number
+    return (better + worse) / 2.0 if math.isfinite(better) and math.isfinite(worse) else worse
 
 
 def worst_of(metric: str) -> float:

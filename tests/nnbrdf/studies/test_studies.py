@@ -338,6 +338,32 @@ def test_a_perfect_picture_is_the_best_and_has_not_diverged():
     assert table.rows[0].percent_from_best is None
 
 
+MIDDLES = {
+    "diverged and perfect": ([None, np.inf], None),
+    "diverged and one more": ([None, 20.0], None),
+    "perfect and one more": ([np.inf, 20.0], 20.0),
+    "perfect in most": ([np.inf, np.inf, np.inf, 20.0], np.inf),
+    "both finite": ([None, 10.0, 20.0, np.inf], 15.0),
+    "all perfect but half diverged": ([None, None, np.inf, np.inf], None),
+    "most diverged": ([None, None, None, 20.0], None),
+}
+
+
+@pytest.mark.parametrize(("decibels", "cell"), MIDDLES.values(), ids=MIDDLES)
+def test_of_two_in_the_middle_that_have_no_mean_the_worse_counts(decibels, cell):
+    outcomes = [
+        replace(
+            an_outcome(None if value is None else 1.0, seed, diverged=value is None),
+            sphere_psnr_db=value if value and np.isfinite(value) else None,
+        )
+        for seed, value in enumerate(decibels)
+    ]
+    (table,) = tabulate(outcomes, "sphere_psnr_db", lambda job: job.activation)
+    assert table.rows[0].cells == (cell,)
+    (table,) = tabulate(outcomes, "eps8", lambda job: job.activation)
+    assert table.rows[0].cells == (None if cell is None else 1.0,)
+
+
 def test_kendall_tau():
     assert kendall_tau([1, 2, 3], [1, 2, 3]) == 1
     assert kendall_tau([1, 2, 3], [3, 2, 1]) == -1
