@@ -113,6 +113,19 @@ def test_a_long_training_stops_at_once(gonio, tmp_path):
     assert "stopped" in said
 
 
+def test_a_disk_that_is_full_is_one_line(tmp_path):
+    command = (
+        f"ulimit -f 2; {sys.executable} -m gonio study activations satin -o full --steps 50"
+        " --seeds 2 --subsets vs-is --networks 3-6-4"
+    )
+    ran = subprocess.run(
+        ["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 3
+    (line,) = ran.stderr.splitlines()
+    assert line.startswith("gonio: full/results.jsonl: cannot be written (File too large)")
+
+
 def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
     ran = gonio("study", "targets", "satin", "velvet", "--subsets", "vs-is", "--seeds", "2",
                 "--steps", "10", "--activations", "softsign,relu")  # fmt: skip

@@ -1,6 +1,9 @@
 """Jobs, their store and their tables; what a training is, test_training says."""
 
+import errno
 import json
+import os
+import resource
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -406,6 +409,38 @@ def test_what_is_refused_elsewhere_is_not_laid_to_the_results(tmp_path):
     with pytest.raises(OSError, match="another file") as refused, appending(tmp_path):
         raise OSError("another file")
     assert not isinstance(refused.value, StorageError)
+
+
+def test_a_folder_that_cannot_be_locked_is_no_other_study(tmp_path, monkeypatch):
+    def refuse(file, how):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("nnbrdf.studies.store.fcntl.flock", refuse)
+    with (
+        pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(No locks available"),
+        appending(tmp_path),
+    ):
+        pass
+
+
+def test_what_a_full_disk_cut_is_trained_again(tmp_path):
+    outcomes = [an_outcome(1.0, seed) for seed in range(20)]
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
+    try:
+        with (
+            pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(File too large"),
+            appending(tmp_path) as append,
+        ):
+            for outcome in outcomes:
+                append(outcome)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    kept = read_results(tmp_path)
+    assert 0 < len(kept) < len(outcomes)
+    with appending(tmp_path) as append:
+        append(outcomes[-1])
+    assert read_results(tmp_path).keys() == {*kept, outcomes[-1].job.key}
 
 
 def test_two_studies_do_not_write_into_one_file(tmp_path):
