@@ -64,15 +64,13 @@ def write_results(path: Path, results: Mapping[str, Sequence[Result]]) -> None:
     gonio.errors.StorageError
         When the operating system refuses.
     """
-    head = ["material", "name", "subset", "parameters", "eps8", "male", "cube_root_rmse",
-            "sphere_psnr_db", "fit_seconds", "million_seconds"]  # fmt: skip
     lines = [
-        [material, one.name, one.subset, one.numbers, one.scores.eps8, one.scores.male,
-         one.scores.cube_root_rmse, one.scores.sphere_psnr_db, one.fit_seconds, one.million_seconds]
+        {"material": material, "name": one.name, "subset": one.subset, "parameters": one.numbers}
+        | one.cells()
         for material, group in results.items()
         for one in group
-    ]  # fmt: skip
-    _write(path, [head, *lines])
+    ]
+    _write(path, [list(lines[0]), *(line.values() for line in lines)])
 
 
 def _write(path: Path, lines: Iterable[Iterable[object]]) -> None:

@@ -119,6 +119,11 @@ def median_of(outcomes: Sequence[Outcome], metric: str) -> float:
     return (better + worse) / 2.0 if math.isfinite(better) and math.isfinite(worse) else worse
 
 
+def known_of(value: float, metric: str) -> float | None:
+    """Return a median as a table has it: None where half of the trainings or more diverged."""
+    return None if value == worst_of(metric) else value
+
+
 def worst_of(metric: str) -> float:
     """Return what nothing is worse than."""
     return -math.inf if metric in BIGGER_IS_BETTER else math.inf
@@ -149,7 +154,8 @@ def _table(
         cells[row_of(outcome.job)][column_of(outcome.job)].append(outcome)
     columns = tuple(dict.fromkeys(column for row in cells.values() for column in row))
     medians = {
-        name: tuple(_cell(row[column], metric) for column in columns) for name, row in cells.items()
+        name: tuple(known_of(median_of(row[column], metric), metric) for column in columns)
+        for name, row in cells.items()
     }
     means = {name: _mean(values) for name, values in medians.items()}
     sign = -1.0 if metric in BIGGER_IS_BETTER else 1.0
@@ -166,11 +172,6 @@ def _table(
         for name, mean in means.items()
     ]
     return Table(material, metric, columns, tuple(rows))
-
-
-def _cell(outcomes: Sequence[Outcome], metric: str) -> float | None:
-    value = median_of(outcomes, metric)
-    return None if value == worst_of(metric) else value
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

@@ -417,7 +417,9 @@ def test_a_folder_that_cannot_be_locked_is_no_other_study(tmp_path, monkeypatch)
 
     monkeypatch.setattr("nnbrdf.studies.store.fcntl.flock", refuse)
     with (
-        pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(No locks available"),
+        pytest.raises(
+            StorageError, match=r"results\.jsonl: cannot be written \(No locks available"
+        ),
         appending(tmp_path),
     ):
         pass
@@ -429,7 +431,9 @@ def test_what_a_full_disk_cut_is_trained_again(tmp_path):
     resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
     try:
         with (
-            pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(File too large"),
+            pytest.raises(
+                StorageError, match=r"results\.jsonl: cannot be written \(File too large"
+            ),
             appending(tmp_path) as append,
         ):
             for outcome in outcomes:
