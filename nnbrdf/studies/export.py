@@ -7,7 +7,7 @@ import io
 from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
-from nnbrdf.studies.tables import BIGGER_IS_BETTER
+from nnbrdf.studies.tables import BIGGER_IS_BETTER, means_of, ranking
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from nnbrdf.studies.analytic import Result
     from nnbrdf.studies.job import Outcome
+    from nnbrdf.studies.settings import Ranked
     from nnbrdf.studies.tables import Table
 
 
@@ -53,6 +54,41 @@ def write_table(path: Path, tables: Sequence[Table]) -> None:
         for table in tables
         for row in table.rows
     ]  # fmt: skip
+    _write(path, [head, *lines])
+
+
+def write_settings(path: Path, ranked: Mapping[str, Mapping[str, Ranked]]) -> None:
+    """Write the mean error under each setting by material, one line a row, a column a setting.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = ["material", "name", *next(iter(ranked.values()))]
+    lines = [
+        [material, *row]
+        for material, settings in ranked.items()
+        for row in means_of([each.errors for each in settings.values()])
+    ]
+    _write(path, [head, *lines])
+
+
+def write_agreements(path: Path, ranked: Mapping[str, Mapping[str, Ranked]]) -> None:
+    """Write what each setting does to the ranking by material, one line a setting.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = ["material", "setting", "tau_to_recipe", "tau_between_seeds", "best", "second", "third"]
+    lines = [
+        [material, name, one.tau_to(recipe), one.tau_between_seeds, *ranking(one.errors)[:3]]
+        for material, settings in ranked.items()
+        for recipe in [next(iter(settings.values()))]
+        for name, one in settings.items()
+    ]
     _write(path, [head, *lines])
 
 

@@ -97,6 +97,15 @@ def ranking(table: Table) -> list[str]:
     return [row.name for row in sorted(table.rows, key=lambda row: row.rank)]
 
 
+def means_of(tables: Sequence[Table]) -> list[tuple[str, *tuple[float | None, ...]]]:
+    """Return the means of several tables of the same rows: a name and a mean each, a line a row.
+
+    Lines go by the rank in the first.
+    """
+    means = [{row.name: row.mean for row in table.rows} for table in tables]
+    return [(name, *(each[name] for each in means)) for name in ranking(tables[0])]
+
+
 def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
     """Return the mean rank of each row over several tables of the same rows."""
     ranks = [{row.name: row.rank for row in table.rows} for table in tables]

@@ -136,6 +136,27 @@ def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
+def test_targets_as_tables_say_what_the_page_says(gonio, tmp_path):
+    ran = gonio("study", "targets", "satin", "velvet", "--subsets", "vs-is", "--seeds", "2",
+                "--steps", "10", "--activations", "softsign,relu,gelu")  # fmt: skip
+    assert "tables: study/targets-*.csv" in ran.stdout
+    page = (tmp_path / "study" / "targets.html").read_text()
+    shown = [re.findall(r">([^<]*)</t[hd]>", row) for row in re.findall(r"<tr.*?</tr>", page)]
+    settings = ["as in the recipe", "targets to 255", "white x 0.5", "white x 2"]
+    errors = lines(tmp_path / "study" / "targets-eps8.csv")
+    assert list(errors[0]) == ["material", "name", *settings]
+    assert [row["material"] for row in errors] == ["satin"] * 3 + ["velvet"] * 3
+    for row in errors:
+        assert [row["name"], *(f"{float(row[name]):.2f}" for name in settings)] in shown
+    orders = lines(tmp_path / "study" / "targets-tau.csv")
+    assert [row["setting"] for row in orders] == settings * 2
+    for row in orders:
+        taus = [f"{float(row[name]):.2f}" for name in ("tau_to_recipe", "tau_between_seeds")]
+        assert [row["setting"], *taus, row["best"], row["second"], row["third"]] in [
+            cells[:6] for cells in shown
+        ]
+
+
 def test_analytic(gonio, tmp_path):
     ran = gonio("study", "analytic", "satin", *QUICK, "--models", "lambert,ggx")
     assert (ran.returncode, ran.stderr) == (0, "")
