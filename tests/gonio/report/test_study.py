@@ -1,8 +1,15 @@
 """Parts of a study's page."""
 
 import math
+import shutil
+import subprocess
 
-from gonio.report.study import analytic_section
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from gonio.report.grids import Grid, Line, Section
+from gonio.report.study import analytic_section, write_study
 from nnbrdf.metrics import Scores
 from nnbrdf.studies.analytic import Result
 from nnbrdf.studies.export import write_results
@@ -46,3 +53,26 @@ def test_a_network_that_diverged_is_in_the_table_and_in_no_picture():
     ]
     assert [line.best for line in grid.lines] == [True, False]
     assert all("network 30-30" not in drawing.svg for drawing in section.drawings)
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
+@pytest.mark.parametrize("width", [1300, 500])
+def test_the_lines_of_a_table_are_straight(tmp_path, width):
+    names = ("softsign", "tanh", "gelu")
+    head = ("", *(f"a column {index}" for index in range(9)))
+    grid = Grid("grid", head, tuple(Line((name, *"123456789"), best=False) for name in names))
+    write_study(tmp_path / "page.html", "title", "about", [Section("felt", (), (grid,))], [])
+    subprocess.run(
+        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
+         f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900",
+         f"--screenshot={tmp_path / 'page.png'}", f"file://{tmp_path / 'page.html'}"],
+        check=True, capture_output=True, timeout=120,
+    )  # fmt: skip
+    pixels = np.rint(255 * imread(tmp_path / "page.png")[..., :3])
+    is_line = (pixels == (0xD5, 0xDA, 0xE0)).all(axis=-1)
+    rows = np.flatnonzero(is_line.any(axis=1))
+    assert len(rows) == 1 + len(names)
+    left = is_line[rows].argmax(axis=1)
+    right = width - is_line[rows, ::-1].argmax(axis=1)
+    assert np.array_equal(is_line[rows].sum(axis=1), right - left)
+    assert (right - left > 0.8 * width).all()
