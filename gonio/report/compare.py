@@ -22,8 +22,8 @@ _HELD_AGAINST = {
     "fifth, which was held out, with white 4 x the median of all.",
 }
 _TIMES = (
-    ("Error against fitting time", "fit_seconds", "time of the fit (s by the clock)"),
-    ("Error against evaluation time", "million_seconds", "time of a million pairs (s of one core)"),
+    ("Error against fitting time", "fit_seconds", "time of the fit (s, by the clock)"),
+    ("Error against evaluation time", "million_seconds", "time of a million pairs (s, one core)"),
 )
 _CLOCKS = (
     "Of a fit, the time is that of the clock on the wall, on all cores; other work adds to it. Of a "

@@ -225,7 +225,7 @@ def test_every_time_says_by_which_clock_it_is(measure):
     measured = measure(truth=False)
     save_entries(measured.session.model, ENTRIES)
     page = page_of(measured)
-    for name in ("time of the fit (s by the clock)", "time of a million pairs (s of one core)"):
+    for name in ("time of the fit (s, by the clock)", "time of a million pairs (s, one core)"):
         assert f">{name}</text>" in page
     words = " ".join(page.split())
     assert "Of a fit, the time is that of the clock on the wall, on all cores" in words

@@ -425,25 +425,24 @@ def test_a_folder_that_cannot_be_locked_is_no_other_study(tmp_path, monkeypatch)
         pass
 
 
+def append_all(folder, outcomes):
+    with appending(folder) as append:
+        for outcome in outcomes:
+            append(outcome)
+
+
 def test_what_a_full_disk_cut_is_trained_again(tmp_path):
     outcomes = [an_outcome(1.0, seed) for seed in range(20)]
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
     try:
-        with (
-            pytest.raises(
-                StorageError, match=r"results\.jsonl: cannot be written \(File too large"
-            ),
-            appending(tmp_path) as append,
-        ):
-            for outcome in outcomes:
-                append(outcome)
+        with pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(File too"):
+            append_all(tmp_path, outcomes)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     kept = read_results(tmp_path)
     assert 0 < len(kept) < len(outcomes)
-    with appending(tmp_path) as append:
-        append(outcomes[-1])
+    append_all(tmp_path, outcomes[-1:])
     assert read_results(tmp_path).keys() == {*kept, outcomes[-1].job.key}
 
 
