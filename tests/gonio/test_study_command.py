@@ -12,6 +12,9 @@ import sys
 import numpy as np
 import pytest
 
+from gonio.cli import main
+from gonio.cli._main import _Terminated
+
 QUICK = ("--subsets", "vs-is", "--seeds", "2", "--steps", "20")
 
 
@@ -226,14 +229,29 @@ def test_another_white_is_another_material(tmp_path):
 
 
 def test_stability_without_torch_is_one_line(tmp_path, monkeypatch, capsys):
-    from gonio.cli import main
-
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     monkeypatch.setattr("sys.argv", ["gonio", "study", "stability", "-o", str(tmp_path / "out")])
     with pytest.raises(SystemExit) as stop:
         main()
     assert stop.value.code == 2
     assert "gonio[nn]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("stop", "code"), [(KeyboardInterrupt, 130), (_Terminated, 143)])
+def test_stability_that_is_stopped_says_that_nothing_is_kept(
+    tmp_path, monkeypatch, capsys, stop, code
+):
+    def interrupt(*arguments):
+        raise stop
+
+    monkeypatch.setattr("gonio.cli.study_stability._section", interrupt)
+    monkeypatch.setattr("sys.argv", ["gonio", "study", "stability", "-o", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == code
+    said = capsys.readouterr().err.strip()
+    assert said == "gonio: stopped; nothing is kept, and the same command begins anew"
+    assert not (tmp_path / "out").exists()
 
 
 BAD = {
