@@ -26,8 +26,8 @@ _TIMES = (
     ("Error against evaluation time", "million_seconds", "time of a million pairs (s, one core)"),
 )
 _CLOCKS = (
-    "Of a fit, the time is that of the clock on the wall, on all cores; other work adds to it. Of a "
-    "million pairs, it is the processor's, on one core."
+    "Of a fit, the time is that of the clock on the wall, on all cores; other work adds to it. "
+    "Of a million pairs, it is the processor's, on one core."
 )
 _SIZE_IN = (4.2, 3.4)
 
