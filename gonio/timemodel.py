@@ -42,6 +42,23 @@ def move_time(distance_deg: ArrayLike, axis: Axis) -> NDArray[np.float64]:
     return np.where(distance < ramps, triangle, trapezoid)
 
 
+def approach_start_deg(
+    start_deg: ArrayLike, goal_deg: ArrayLike, axis: Axis
+) -> NDArray[np.float64]:
+    """Return where an axis goes before its goal, so that it comes to it from the one side.
+
+    That is `approach_deg` before the goal, as far as the travel allows; the goal itself where
+    there is nothing to take up: no such approach, an axis that stays, or a way from the right side
+    that is long enough.
+    """
+    start, goal = np.asarray(start_deg, np.float64), np.asarray(goal_deg, np.float64)
+    run_up, way = axis.approach_deg, goal - start
+    if not run_up:
+        return goal
+    short = (np.abs(way) > axis.in_position_deg) & (way / run_up < 1.0)
+    return np.where(short, np.clip(goal - run_up, axis.min_deg, axis.max_deg), goal)
+
+
 def pose_angles_deg(shots: Sequence[Shot]) -> NDArray[np.float64]:
     """Return the four axes' angles of each shot in degrees, shape (n, 4), in the order of AXES."""
     return np.array([[shot.axis_deg(name) for name in AXES] for shot in shots], dtype=np.float64)
