@@ -65,7 +65,8 @@ class Shot(Document):
 class Selection(Document):
     """How the shots were chosen.
 
-    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked.
+    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
+    and `variance_bound` what any choice of as many pairs leaves at least.
     """
 
     criterion: str
@@ -75,6 +76,7 @@ class Selection(Document):
     full_set: int = Field(ge=1)
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
+    variance_bound: float | None = Field(default=None, ge=0)
     route: str
 
 

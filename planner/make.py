@@ -11,8 +11,9 @@ from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
 from planner.candidates import paper_candidates
-from planner.criteria import criterion_named, reciprocal_pairs
+from planner.criteria import criterion_named
 from planner.density import count_of
+from planner.field import Field
 from planner.reach import apart, refuse_keep_out, within_travel
 from planner.route import plan_route
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from planner.candidates import Candidates
     from planner.density import Density
 
+    Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
+
 FULL_CURRENT_MA = 700.0
 
 
@@ -37,6 +40,10 @@ def make_plan(
     criterion: str = "farthest",
     shots: int | None = None,
     prior: Callable[[], Prior] | None = None,
+    view_candidates: Candidates | None = None,
+    light_candidates: Candidates | None = None,
+    demand: Demand | None = None,
+    seed: int = 0,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
@@ -54,6 +61,12 @@ def make_plan(
         Choose so many pairs freely, rather than all pairs of some views and lights.
     prior
         Makes what is believed of the material, for criteria that ask.
+    view_candidates, light_candidates
+        What to choose from (see `planner.candidates`); the paper's 81 unless given.
+    demand
+        Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    seed
+        Of the random criterion.
 
     Raises
     ------
@@ -61,32 +74,35 @@ def make_plan(
         For a density or criterion that is none, or when the rig can take no such shot.
     """
     refuse_keep_out(rig)
-    candidates = paper_candidates()
-    reach, allowed = _pairs_within_reach(candidates, rig)
-    judge = criterion_named(criterion, candidates.directions, prior)
+    judge = criterion_named(criterion, prior, seed)
+    light_set, view_set = (
+        each or paper_candidates() for each in (light_candidates, view_candidates)
+    )
+    reach, field = _field_within_reach(light_set, view_set, rig, demand)
     if shots is not None:
-        choice = judge.pairs(allowed, _checked_shots(shots, int(allowed.sum())))
+        choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
         choice = judge.product(
-            allowed,
-            count_of(views, len(candidates), int(reach.any(axis=0).sum()), "view"),
-            count_of(lights, len(candidates), int(reach.any(axis=1).sum()), "light"),
+            field,
+            count_of(lights, len(light_set), int(field.allowed.any(axis=1).sum()), "light"),
+            count_of(views, len(view_set), int(field.allowed.any(axis=0).sum()), "view"),
         )
-    measured = choice.measured & allowed
+    measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
             f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
             f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
         )
-    ordered, method = _in_order(candidates, measured, rig)
+    ordered, method = _in_order(field, measured, rig)
     selection = Selection(
         criterion=criterion,
-        candidates=candidates.name,
+        candidates=_set_names(light_set, view_set),
         views=int(measured.any(axis=0).sum()),
         lights=int(measured.any(axis=1).sum()),
         full_set=measured.size,
-        reciprocal_pairs=reciprocal_pairs(measured),
+        reciprocal_pairs=field.reciprocal(measured),
         variance_left=choice.variance_left,
+        variance_bound=choice.variance_bound,
         route=method,
     )
     return Plan(
@@ -98,20 +114,24 @@ def make_plan(
     )
 
 
-def _pairs_within_reach(
-    candidates: Candidates, rig: Rig
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which pairs each arm can take, and which of these keep the arms apart, (n, n)."""
-    reach = np.outer(
-        within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
-    )
-    allowed = reach & apart(candidates, rig)
+def _set_names(lights: Candidates, views: Candidates) -> str:
+    if lights.name == views.name:
+        return lights.name
+    return f"lights {lights.name}, views {views.name}"
+
+
+def _field_within_reach(
+    lights: Candidates, views: Candidates, rig: Rig, demand: Demand | None
+) -> tuple[NDArray[np.bool_], Field]:
+    """Return which pairs each arm can take, shape (L, V), and those that keep the arms apart."""
+    reach = np.outer(within_travel(lights, rig, "light"), within_travel(views, rig, "view"))
+    allowed = reach & apart(lights, views, rig)
     if not allowed.any():
         raise BadInputError(
             f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
             "correct it in the rig file"
         )
-    return reach, allowed
+    return reach, Field(lights, views, allowed, None if demand is None else demand(lights, views))
 
 
 def _checked_shots(shots: int, most: int) -> int:
@@ -120,14 +140,12 @@ def _checked_shots(shots: int, most: int) -> int:
     return shots
 
 
-def _in_order(
-    candidates: Candidates, measured: NDArray[np.bool_], rig: Rig
-) -> tuple[tuple[Shot, ...], str]:
+def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tuple[Shot, ...], str]:
     """Return the shots of `measured`, indexed [light, view], in route order, and its method."""
     light, view = np.nonzero(measured)
-    theta_deg, phi_deg = candidates.theta_deg, candidates.phi_deg
+    sides = (field.views, view), (field.lights, light)
     angles_deg = np.stack(
-        [theta_deg[view], phi_deg[view], theta_deg[light], phi_deg[light]], axis=1
+        [angle[rows] for each, rows in sides for angle in (each.theta_deg, each.phi_deg)], axis=1
     )
     route = plan_route(angles_deg, rig)
     lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)

@@ -38,10 +38,10 @@ def within_travel(candidates: Candidates, rig: Rig, arm: Arm) -> NDArray[np.bool
     return within
 
 
-def apart(candidates: Candidates, rig: Rig) -> NDArray[np.bool_]:
-    """Return which pairs keep the rig's `arm.min_separation_deg`, shape (n, n); 0 allows all."""
+def apart(lights: Candidates, views: Candidates, rig: Rig) -> NDArray[np.bool_]:
+    """Return which pairs keep the rig's `arm.min_separation_deg`, shape (L, V); 0 allows all."""
     least = np.radians(rig.arm.min_separation_deg) - _ROUND_OFF
-    return np.asarray(angles_between(candidates.directions, candidates.directions) >= least)
+    return np.asarray(angles_between(lights.directions, views.directions) >= least)
 
 
 def refuse_keep_out(rig: Rig) -> None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gonio.plan import Plan
+    from planner.candidates import Candidates
 
 
 @click.command(name="plan")
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     metavar="DENSITY",
     default="sixth",
     show_default=True,
-    help="How many of the 81 directions on both sides: all (81), sixth (14), or a number; or the "
+    help="How many of the directions on both sides: all (81), sixth (14), or a number; or the "
     "paper's va-ia, vs-ia, va-is, vs-is: views and illumination, all or sixth.",
 )
 @click.option(
@@ -43,8 +44,32 @@ if TYPE_CHECKING:
     default="i-optimal",
     show_default=True,
     help="How directions are chosen. i-optimal: those that leave the least variance of a material "
-    "of the prior, over all pairs. farthest: each as far as can be from those before it.",
+    "of the prior, over all pairs. d-optimal: those that tell most together. Without a prior: "
+    "energy (they repel each other), farthest (each as far as can be from those before), random.",
 )
+@click.option(
+    "--weight",
+    type=click.Choice(["alike", "cosine"], case_sensitive=False),
+    default="alike",
+    show_default=True,
+    help="How much a pair counts for i-optimal: all alike, or by the cosines of both directions, "
+    "as a surface looks smaller when seen or lit at grazing angles.",
+)
+@click.option(
+    "--candidates",
+    metavar="SET",
+    default="paper-81",
+    show_default=True,
+    help="The directions to choose from: paper-81, klems (145), rings:0x1,30x8,60x16 (theta x "
+    "azimuths), fibonacci:N, or a CSV file with columns theta_deg, phi_deg.",
+)
+@click.option(
+    "--view-candidates", metavar="SET", help="The same for the views alone; before --candidates."
+)
+@click.option(
+    "--light-candidates", metavar="SET", help="The same for the lights alone; before --candidates."
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Of the random criterion.  [default: 0]")
 @click.option(
     "--shots",
     type=int,
@@ -80,6 +105,11 @@ def command(
     views: str | None,
     lights: str | None,
     criterion: str,
+    weight: str,
+    candidates: str,
+    view_candidates: str | None,
+    light_candidates: str | None,
+    seed: int | None,
     shots: int | None,
     prior_path: Path | None,
     rig_path: Path | None,
@@ -94,13 +124,16 @@ def command(
         gonio plan --shots 64                    64 pairs, each for what it adds to the others
         gonio plan --density va-is               all views, a sixth of the lights
         gonio plan --views 20 --lights 10 -o small.json
+        gonio plan --candidates fibonacci:300 --shots 196
         gonio plan --rig rig.toml --plot directions.png
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
+    from planner.candidates import candidates_named
     from planner.density import split_density
+    from planner.field import cosine_demand
     from planner.make import make_plan
 
     context = click.get_current_context()
@@ -109,12 +142,13 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
-    if prior_path and criterion == "farthest":
-        raise BadInputError("criterion farthest knows no prior; leave out --prior")
+    _refuse_idle(criterion, weight, seed, prior_path)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
     both_views, both_lights = split_density(density)
+    view_set = candidates_named(view_candidates or candidates)
+    light_set = candidates_named(light_candidates or candidates)
     plan = make_plan(
         load_rig(rig_path) if rig_path else default_rig(),
         views=views or both_views,
@@ -122,6 +156,10 @@ def command(
         criterion=criterion,
         shots=shots,
         prior=lambda: prior or material_prior(None),
+        view_candidates=view_set,
+        light_candidates=light_set,
+        demand=cosine_demand if weight == "cosine" else None,
+        seed=seed or 0,
     )
     plan.save(output)
     _print_table(plan)
@@ -129,7 +167,7 @@ def command(
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if plot:
-        _draw(plan, plot)
+        _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")
 
 
@@ -153,7 +191,9 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     yield "shots", f"{shots}, {shots / selection.full_set:.1%} of the full set"
     yield "measured both ways", f"{selection.reciprocal_pairs} pairs, by reciprocity"
     if selection.variance_left is not None:
-        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance"
+        bound = selection.variance_bound
+        at_best = "" if bound is None else f"; no choice of so many leaves less than {bound:.2%}"
+        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
     yield "estimated time", duration(estimates.total_s)
@@ -163,16 +203,31 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     yield "route", selection.route
 
 
-def _draw(plan: Plan, path: Path) -> None:
-    from gonio.directions import from_degrees, paper_directions
+def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path | None) -> None:
+    """Refuse options that the criterion would not look at."""
+    from gonio.errors import BadInputError
+    from planner.criteria import CRITERIA, PRIOR_CRITERIA
+
+    if criterion not in CRITERIA:
+        return
+    if prior_path and criterion not in PRIOR_CRITERIA:
+        raise BadInputError(f"criterion {criterion} knows no prior; leave out --prior")
+    if weight != "alike" and criterion != "i-optimal":
+        raise BadInputError(f"criterion {criterion} weighs no pairs; leave out --weight")
+    if seed is not None and criterion != "random":
+        raise BadInputError(f"criterion {criterion} draws nothing; leave out --seed")
+
+
+def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None:
+    from gonio.directions import from_degrees
     from gonio.report.hemisphere import save_hemispheres
 
-    candidates = paper_directions()
     chosen = {}
-    for name in ("view", "light"):
+    for name, candidates in (("view", views), ("light", lights)):
         angles = sorted(
             {(s.axis_deg(f"{name}_theta"), s.axis_deg(f"{name}_phi")) for s in plan.shots}
         )
         theta_deg, phi_deg = zip(*angles, strict=True)
-        chosen[f"{name}s: {len(angles)} of {len(candidates)}"] = from_degrees(theta_deg, phi_deg)
-    save_hemispheres(path, chosen, candidates)
+        title = f"{name}s: {len(angles)} of {len(candidates)}"
+        chosen[title] = from_degrees(theta_deg, phi_deg), candidates.directions
+    save_hemispheres(path, chosen)

@@ -5,8 +5,9 @@ from gonio.directions import from_degrees, paper_directions
 from gonio.errors import BadInputError
 from gonio.rig import AXES, Rig, default_rig
 from gonio.timemodel import pose_angles_deg, route_times
-from planner.criteria import reciprocal_pairs
+from planner.candidates import paper_candidates
 from planner.density import PAPER_SUBSETS, split_density
+from planner.field import Field
 from planner.make import make_plan
 from planner.subset import angles_between, farthest_points
 
@@ -71,7 +72,10 @@ def test_densities_that_are_none(views, lights, says):
 
 
 def test_an_unknown_criterion_lists_the_known():
-    with pytest.raises(BadInputError, match="'best' is not known; use i-optimal, farthest"):
+    with pytest.raises(
+        BadInputError,
+        match="'best' is not known; use i-optimal, d-optimal, energy, farthest, random",
+    ):
         make_plan(RIG, criterion="best")
 
 
@@ -108,7 +112,8 @@ def test_equal_sets_would_measure_far_more():
     lights = farthest_points(paper_directions(), 14, start=0)
     measured = np.zeros((81, 81), dtype=bool)
     measured[np.ix_(lights, lights)] = True
-    assert reciprocal_pairs(measured) == 14 * 13 // 2
+    field = Field(paper_candidates(), paper_candidates(), measured)
+    assert field.reciprocal(measured) == 14 * 13 // 2
 
 
 def test_the_same_input_gives_the_same_bytes(tmp_path):
