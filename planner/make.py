@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
+from gonio.plan import LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named
 from planner.density import count_of
 from planner.field import Field
-from planner.reach import apart, refuse_keep_out, within_travel
+from planner.reach import reach_of
 from planner.route import plan_route
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def make_plan(
     view_candidates: Candidates | None = None,
     light_candidates: Candidates | None = None,
     demand: Demand | None = None,
+    max_theta_deg: float | None = None,
     seed: int = 0,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
@@ -52,7 +53,7 @@ def make_plan(
     Parameters
     ----------
     rig
-        What will measure: its travel, separation, speeds and exposures count.
+        What will measure: its travel, separation, boxes, speeds and exposures count.
     views, lights
         `all`, `sixth`, or a number of directions (see `planner.density`).
     criterion
@@ -65,6 +66,8 @@ def make_plan(
         What to choose from (see `planner.candidates`); the paper's 81 unless given.
     demand
         Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    max_theta_deg
+        Leave out directions closer to grazing than that.
     seed
         Of the random criterion.
 
@@ -73,12 +76,13 @@ def make_plan(
     BadInputError
         For a density or criterion that is none, or when the rig can take no such shot.
     """
-    refuse_keep_out(rig)
     judge = criterion_named(criterion, prior, seed)
     light_set, view_set = (
         each or paper_candidates() for each in (light_candidates, view_candidates)
     )
-    reach, field = _field_within_reach(light_set, view_set, rig, demand)
+    reach = reach_of(light_set, view_set, rig, max_theta_deg)
+    counts = None if demand is None else demand(light_set, view_set)
+    field = Field(light_set, view_set, reach.allowed, counts)
     if shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
@@ -90,8 +94,8 @@ def make_plan(
     measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
-            f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
-            f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
+            f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
+            "that in the rig file, or take more directions"
         )
     ordered, method = _in_order(field, measured, rig)
     selection = Selection(
@@ -108,7 +112,7 @@ def make_plan(
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, choice.measured, measured, rig),
+        left_out=reach.left_out(choice.measured),
         estimates=estimate(ordered, rig),
         shots=ordered,
     )
@@ -118,20 +122,6 @@ def _set_names(lights: Candidates, views: Candidates) -> str:
     if lights.name == views.name:
         return lights.name
     return f"lights {lights.name}, views {views.name}"
-
-
-def _field_within_reach(
-    lights: Candidates, views: Candidates, rig: Rig, demand: Demand | None
-) -> tuple[NDArray[np.bool_], Field]:
-    """Return which pairs each arm can take, shape (L, V), and those that keep the arms apart."""
-    reach = np.outer(within_travel(lights, rig, "light"), within_travel(views, rig, "view"))
-    allowed = reach & apart(lights, views, rig)
-    if not allowed.any():
-        raise BadInputError(
-            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
-            "correct it in the rig file"
-        )
-    return reach, Field(lights, views, allowed, None if demand is None else demand(lights, views))
 
 
 def _checked_shots(shots: int, most: int) -> int:
@@ -159,17 +149,3 @@ def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tupl
         for index, angles in enumerate(angles_deg[route.order].tolist())
     )
     return tuple(shots), route.method
-
-
-def _left_out(
-    reach: NDArray[np.bool_], chosen: NDArray[np.bool_], measured: NDArray[np.bool_], rig: Rig
-) -> tuple[LeftOut, ...]:
-    """Return why each pair that is not measured is not, in the order of the checks."""
-    separation = f"closer than {rig.arm.min_separation_deg:g} deg (arm.min_separation_deg)"
-    reasons = {
-        "beyond the travel of an axis": ~reach,
-        "not chosen at this density": reach & ~chosen,
-        separation: chosen & ~measured,
-    }
-    counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
-    return tuple(LeftOut(reason=reason, shots=shots) for reason, shots in counts.items() if shots)

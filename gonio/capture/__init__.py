@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from gonio.capture.instrument import Instrument, Operator
-from gonio.capture.run import WHITE_POSE_DEG, Capture, check_reach, check_space
+from gonio.capture.reach import WHITE_POSE_DEG, check_reach
+from gonio.capture.run import Capture, check_space
 
 __all__ = [
     "WHITE_POSE_DEG", "Capture", "Instrument", "Operator", "check_reach", "check_space"

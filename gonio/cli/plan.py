@@ -69,6 +69,13 @@ if TYPE_CHECKING:
 @click.option(
     "--light-candidates", metavar="SET", help="The same for the lights alone; before --candidates."
 )
+@click.option(
+    "--max-theta",
+    "max_theta_deg",
+    type=float,
+    metavar="DEG",
+    help="Leave out directions of lights and views closer to grazing than that, 0 to 90.",
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Of the random criterion.  [default: 0]")
 @click.option(
     "--shots",
@@ -109,6 +116,7 @@ def command(
     candidates: str,
     view_candidates: str | None,
     light_candidates: str | None,
+    max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
     prior_path: Path | None,
@@ -159,6 +167,7 @@ def command(
         view_candidates=view_set,
         light_candidates=light_set,
         demand=cosine_demand if weight == "cosine" else None,
+        max_theta_deg=max_theta_deg,
         seed=seed or 0,
     )
     plan.save(output)
