@@ -26,7 +26,7 @@ def box_distance_mm(
         Unit vectors d, shape (n, 3).
     """
     low, high = np.array(box.min_mm), np.array(box.max_mm)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         planes = np.concatenate([low / towards, high / towards], axis=-1)
     # a ray that lies in a plane never crosses it
     knots = np.clip(

@@ -138,7 +138,7 @@ def _any_blocked(ways: Array, rig: Rig) -> NDArray[np.bool_]:
     moves = np.flatnonzero((starts != goals).any(axis=1))
     hit = np.zeros(len(starts), dtype=bool)
     hit[moves] = leg_blocked(starts[moves], goals[moves], rig)
-    return np.asarray(hit.reshape(len(ways), -1).any(axis=1))
+    return np.asarray(hit.reshape(ways.shape[0], ways.shape[1] - 1).any(axis=1))
 
 
 def _way(poses: Array, rig: Rig) -> Way:

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.clearance import BEYOND_TRAVEL, COLUMNS, ROUND_OFF, ArmsApart, between, limits_of
+from gonio.directions import from_spherical
 from gonio.errors import BadInputError
 from gonio.plan import LeftOut
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from gonio.rig import Rig
+    from gonio.rig import Axis, Rig
     from planner.candidates import Candidates
     from planner.density import Arm
 
+    Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
+
+_APPROACH = ", on the approach from one side (approach_deg)"
 
 _ROWS = 256
 """Lights whose angles to all views are in memory at a time."""
@@ -86,55 +91,93 @@ def reach_of(
         raise BadInputError(f"max theta is {max_theta_deg:g} deg; give 0 to 90")
     light = _of_arm(lights, rig, "light", max_theta_deg)
     view = _of_arm(views, rig, "view", max_theta_deg)
-    free = np.ones((len(lights), len(views)), dtype=bool)
-    alone = {}
-    for reason in light:
-        short = light[reason][:, None] | view[reason]
-        alone[reason] = short & free
-        free &= ~short
-    together = {}
-    for limit in limits_of(rig):
-        if isinstance(limit, ArmsApart):
-            together[limit.reason] = free & _too_close(lights, views, limit.least)
-            free = free & ~together[limit.reason]
-            if not free.any():
-                raise BadInputError(
-                    f"all pairs are {limit.reason}; correct that in the rig file, or take more "
-                    "directions"
-                )
-    return Reach(free, alone, together)
+    either = {reason: light[reason][:, None] | view[reason] for reason in light}
+    pairs = _of_pairs(lights, views, rig)
+    reasons = _first_only(either | pairs)
+    allowed = ~np.any([*reasons.values()], axis=0)
+    if not allowed.any():
+        why = ", ".join(reason for reason in pairs if reasons[reason].any())
+        raise BadInputError(
+            f"all pairs are {why}; correct that in the rig file, or take other directions"
+        )
+    alone, together = ({name: reasons[name] for name in part} for part in (either, pairs))
+    return Reach(allowed, alone, together)
+
+
+def _first_only(reasons: dict[str, Mask]) -> dict[str, Mask]:
+    """Take from each mask what those before it hold."""
+    before = np.zeros_like(next(iter(reasons.values())))
+    only = {}
+    for reason, mask in reasons.items():
+        only[reason] = mask & ~before
+        before = before | mask
+    return only
 
 
 def _of_arm(
     candidates: Candidates, rig: Rig, arm: Arm, max_theta_deg: float | None
 ) -> dict[str, Mask]:
-    """Return why an arm cannot point at candidates, shape (n,) by reason."""
-    theta, phi = (rig.axis[f"{arm}_{part}"] for part in ("theta", "phi"))
-    angles = np.stack([candidates.theta_deg, candidates.phi_deg], axis=1)
-    low, high = np.array([[axis.min_deg, axis.max_deg] for axis in (theta, phi)]).T
+    """Return why an arm cannot point at candidates, shape (n,) by reason.
+
+    Raises
+    ------
+    BadInputError
+        When it can point at none.
+    """
+    low, high = np.array([[axis.min_deg, axis.max_deg] for axis in _axes(rig, arm)]).T
+    angles, *starts = _from_one_side(candidates, rig, arm)
     reasons = {BEYOND_TRAVEL: ((angles < low) | (angles > high)).any(axis=1)}
     if max_theta_deg is not None:
         limit = f"beyond the grazing limit of {max_theta_deg:g} deg"
         reasons[limit] = angles[:, 0] > max_theta_deg + ROUND_OFF
     for each in limits_of(rig):
         if each.columns == COLUMNS[arm]:
-            reasons[each.reason] = each.margin(angles) < -ROUND_OFF
-    _refuse_none(reasons, arm)
-    return reasons
-
-
-def _refuse_none(reasons: dict[str, Mask], arm: Arm) -> None:
-    count = len(reasons[BEYOND_TRAVEL])
+            short = [each.margin(place) < -ROUND_OFF for place in (angles, *starts)]
+            reasons[each.reason] = short[0]
+            reasons[each.reason + _APPROACH] = np.any(short, axis=0)
+    reasons = _first_only(reasons)
     if np.any([*reasons.values()], axis=0).all():
         why = ", ".join(f"{mask.sum()} {reason}" for reason, mask in reasons.items() if mask.any())
         raise BadInputError(
-            f"none of the {count} directions can be taken by {arm}_theta and {arm}_phi: {why}; "
-            "correct the rig file, or take other directions"
+            f"none of the {len(angles)} directions can be taken by {arm}_theta and {arm}_phi: "
+            f"{why}; correct the rig file, or take other directions"
         )
+    return reasons
 
 
-def _too_close(lights: Candidates, views: Candidates, least: float) -> Mask:
-    light, view = lights.directions, views.directions
+def _of_pairs(lights: Candidates, views: Candidates, rig: Rig) -> dict[str, Mask]:
+    """Return why arms that could point at two directions alone cannot together, (L, V)."""
+    apart = [limit for limit in limits_of(rig) if isinstance(limit, ArmsApart)]
+    if not apart:
+        return {}
+    least, reason = apart[0].least, apart[0].reason
+    light, view = _from_one_side(lights, rig, "light"), _from_one_side(views, rig, "view")
+    short = [_too_close(a, b, least) for a, b in product(light, view)]
+    return {reason: short[0], reason + _APPROACH: np.any(short, axis=0)}
+
+
+def _axes(rig: Rig, arm: Arm) -> tuple[Axis, Axis]:
+    return rig.axis[f"{arm}_theta"], rig.axis[f"{arm}_phi"]
+
+
+def _from_one_side(candidates: Candidates, rig: Rig, arm: Arm) -> list[Array]:
+    """Return an arm's angles, shape (n, 2), and those at which it may stop just before.
+
+    Axes with an `approach_deg` may start there, one or both of them.
+    """
+    columns = [
+        [angles]
+        if not axis.approach_deg
+        else [angles, np.clip(angles - axis.approach_deg, axis.min_deg, axis.max_deg)]
+        for angles, axis in zip(
+            (candidates.theta_deg, candidates.phi_deg), _axes(rig, arm), strict=True
+        )
+    ]
+    return [np.stack(pair, axis=1) for pair in product(*columns)]
+
+
+def _too_close(light_deg: Array, view_deg: Array, least: float) -> Mask:
+    light, view = (from_spherical(*np.radians(angles).T) for angles in (light_deg, view_deg))
     parts = [
         between(light[first : first + _ROWS, None], view[None]) < least - ROUND_OFF
         for first in range(0, len(light), _ROWS)
