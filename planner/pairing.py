@@ -23,7 +23,7 @@ def may_join(
     """Return which directions cost the product the fewest pairs, at least one.
 
     What one costs is the pairs that it loses with those chosen on the other side, and the
-    directions that the other side would be short of, had each to pair with all on this side.
+    directions that the other side would still be short of, had each to pair with all on this side.
     So a choice made one by one loses no pair as long as there is a direction that keeps them all,
     and does not run out of such directions on the other side without need.
 
@@ -49,6 +49,8 @@ def may_join(
     free = np.array(table.any(axis=1))
     free[own] = False
     lost = (~table[:, others]).sum(axis=1)
-    left = table @ table[own].all(axis=0).astype(np.int64)
-    cost = lost + np.maximum(wanted[1 - axis] - left, 0)
+    common = table[own].all(axis=0)
+    common[others] = False
+    short = wanted[1 - axis] - len(others) - table @ common.astype(np.int64)
+    cost = lost + np.maximum(short, 0)
     return np.asarray(free & (cost == cost[free].min(initial=table.size)))
