@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from gonio.errors import BadFileError
 from gonio.files import canonical_json, sha256_bytes, write_json
@@ -81,10 +81,33 @@ class Selection(Document):
 
 
 class LeftOut(Document):
-    """Shots that were not taken, and why."""
+    """Shots that were not taken, and why.
+
+    Attributes
+    ----------
+    reason
+        Follows their number in a sentence.
+    shots
+        How many pairs that concerns.
+    spared_shots, spared_min
+        How many shots and minutes fewer the plan takes for it than one without this omission;
+        below zero: more. None where that was not asked.
+    error_inside, error_outside
+        Change of the expected standard deviation of ln(BRDF), as a mean over what a scene asks for
+        and over what it does not.
+    """
 
     reason: str
     shots: int = Field(ge=0)
+    spared_shots: int | None = None
+    spared_min: float | None = None
+    error_inside: float | None = None
+    error_outside: float | None = None
+
+    @model_serializer(mode="wrap")
+    def _what_is_known(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # without nulls: the hash of a plan that has no such numbers stays as it was
+        return {name: value for name, value in handler(self).items() if value is not None}
 
 
 class Estimates(Document):

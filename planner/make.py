@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from planner.reach import reach_of
 from planner.route import plan_route
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from planner.density import Density
 
     Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
+    Omission = Callable[[Field], NDArray[np.bool_]]
 
 FULL_CURRENT_MA = 700.0
 
@@ -44,6 +46,7 @@ def make_plan(
     light_candidates: Candidates | None = None,
     demand: Demand | None = None,
     max_theta_deg: float | None = None,
+    leave_out: Mapping[str, Omission] | None = None,
     seed: int = 0,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
@@ -68,6 +71,8 @@ def make_plan(
         Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
     max_theta_deg
         Leave out directions closer to grazing than that.
+    leave_out
+        Returns of a field which pairs need not be measured, shape (L, V), by reason.
     seed
         Of the random criterion.
 
@@ -82,7 +87,7 @@ def make_plan(
     )
     reach = reach_of(light_set, view_set, rig, max_theta_deg)
     counts = None if demand is None else demand(light_set, view_set)
-    field = Field(light_set, view_set, reach.allowed, counts)
+    field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
     if shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
@@ -112,7 +117,7 @@ def make_plan(
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=reach.left_out(choice.measured),
+        left_out=reach.left_out(choice.measured, omitted),
         estimates=estimate(ordered, rig),
         shots=ordered,
     )
@@ -122,6 +127,40 @@ def _set_names(lights: Candidates, views: Candidates) -> str:
     if lights.name == views.name:
         return lights.name
     return f"lights {lights.name}, views {views.name}"
+
+
+def field_within(
+    rig: Rig,
+    lights: Candidates,
+    views: Candidates,
+    max_theta_deg: float | None,
+    leave_out: Mapping[str, Omission],
+) -> Field:
+    """Return the pairs that a plan would choose from."""
+    field = Field(lights, views, reach_of(lights, views, rig, max_theta_deg).allowed)
+    return _without(field, leave_out)[0]
+
+
+def _without(
+    field: Field, leave_out: Mapping[str, Omission]
+) -> tuple[Field, dict[str, NDArray[np.bool_]]]:
+    """Return the field less what is left out, and which pairs that are, by reason.
+
+    Raises
+    ------
+    BadInputError
+        When nothing is left.
+    """
+    omitted = {}
+    for reason, of in leave_out.items():
+        omitted[reason] = field.allowed & of(field)
+        field = replace(field, allowed=field.allowed & ~omitted[reason])
+        if not field.allowed.any():
+            raise BadInputError(
+                f"no pair is left: all that the rig can take {reason}; widen the scene, or the "
+                "travel in the rig file"
+            )
+    return field, omitted
 
 
 def _checked_shots(shots: int, most: int) -> int:

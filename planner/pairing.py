@@ -49,7 +49,7 @@ def may_join(
     free = np.array(table.any(axis=1))
     free[own] = False
     lost = (~table[:, others]).sum(axis=1)
-    common = table[own].all(axis=0)
+    common = np.array(table[own].all(axis=0))
     common[others] = False
     short = wanted[1 - axis] - len(others) - table @ common.astype(np.int64)
     cost = lost + np.maximum(short, 0)

@@ -14,6 +14,8 @@ from gonio.errors import BadInputError
 from gonio.plan import LeftOut
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from gonio.rig import Axis, Rig
@@ -50,10 +52,10 @@ class Reach:
 
     @property
     def reasons(self) -> dict[str, Mask]:
-        """Every reason, in the order of the checks."""
-        return self.alone | self.together
+        """Every reason that there is, in the order of the checks."""
+        return {name: mask for name, mask in (self.alone | self.together).items() if mask.any()}
 
-    def left_out(self, chosen: Mask) -> tuple[LeftOut, ...]:
+    def left_out(self, chosen: Mask, omitted: Mapping[str, Mask]) -> tuple[LeftOut, ...]:
         """Say why each pair that is not measured is not, with counts that add up.
 
         Parameters
@@ -61,15 +63,23 @@ class Reach:
         chosen
             What a criterion has chosen, shape (L, V). A pair of two directions that could each be
             taken alone counts as lost only where it was chosen.
+        omitted
+            Pairs that the rig could take and that need not be measured, by reason; each of these
+            reasons is told, whether it leaves out any or not.
         """
-        single = ~np.any([*self.alone.values()], axis=0)
-        masks = (
-            self.alone
-            | {"not chosen at this density": single & ~chosen}
-            | {reason: mask & chosen for reason, mask in self.together.items()}
-        )
+        before = np.any([*self.alone.values(), *omitted.values()], axis=0)
+        masks = {
+            **self.alone,
+            **omitted,
+            "not chosen at this density": ~before & ~chosen,
+            **{reason: mask & chosen for reason, mask in self.together.items()},
+        }
         counts = {reason: int(mask.sum()) for reason, mask in masks.items()}
-        return tuple(LeftOut(reason=reason, shots=n) for reason, n in counts.items() if n)
+        return tuple(
+            LeftOut(reason=reason, shots=n)
+            for reason, n in counts.items()
+            if n or reason in omitted
+        )
 
 
 def reach_of(

@@ -212,7 +212,8 @@ def _measure(session: Session, settings: TwinSettings) -> None:
 
 
 def _report(session: Session, settings: TwinSettings, frames: int, took_s: float) -> None:
-    from gonio.cli._console import console, duration
+    from gonio.cli._console import console
+    from gonio.words import duration
 
     if not frames:
         console.print(f"{session.root}: nothing left to take; the session is complete")

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
+
+from gonio.cli._scene import SceneOptions, scene_options, spared_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gonio.plan import Plan
+    from gonio.protocols import Prior
     from planner.candidates import Candidates
 
 
@@ -83,6 +86,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
+@scene_options
 @click.option(
     "--prior",
     "prior_path",
@@ -106,6 +110,18 @@ if TYPE_CHECKING:
     metavar="FILE.png",
     help="Also draw the chosen directions on the hemisphere.",
 )
+@click.option(
+    "--pareto",
+    is_flag=True,
+    help="Make no plan, but many, and say which to take: expected error against time for several "
+    "densities and criteria (or the one given), as pareto.html and pareto.csv beside -o.",
+)
+@click.option(
+    "--page/--no-page",
+    default=True,
+    show_default=True,
+    help="Write the plan's page beside it: directions, order, time, what was left out.",
+)
 def command(
     *,
     density: str,
@@ -119,10 +135,17 @@ def command(
     max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
+    scene: Path | None,
+    material: str | None,
+    isotropic: bool,
+    mono: bool,
+    plot_demand: Path | None,
     prior_path: Path | None,
     rig_path: Path | None,
     output: Path,
     plot: Path | None,
+    pareto: bool,
+    page: bool,
 ) -> None:
     """Choose which directions to measure, and the order that takes the arm the least time.
 
@@ -134,15 +157,22 @@ def command(
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --candidates fibonacci:300 --shots 196
         gonio plan --rig rig.toml --plot directions.png
+        gonio plan --scene wall.toml             only what the scene asks for
+        gonio plan --pareto                      how many shots are worth their time
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from functools import partial
+
+    from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
+    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
-    from planner.make import make_plan
+    from planner.make import field_within, make_plan
+    from planner.reach import reach_of
 
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
@@ -150,34 +180,73 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
-    _refuse_idle(criterion, weight, seed, prior_path)
+    use = SceneOptions(scene, material, isotropic, mono, plot_demand)
+    every = pareto and context.get_parameter_source("criterion") is ParameterSource.DEFAULT
+    if pareto and (shots is not None or views or lights or given or plot or use.given):
+        raise BadInputError(
+            "--pareto tries densities of its own; leave out --density, --views, --lights, --shots, "
+            "--scene, --isotropic and --plot"
+        )
+    if pareto and not every:
+        _refuse_idle(criterion, "alike", seed, None)
+    if not pareto:
+        _refuse_idle(criterion, weight, seed, prior_path)
+        use.check(criterion, weight, output)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
+    page_path = output.with_suffix(".html")
+    if page and page_path in (output, plot):
+        raise BadInputError(
+            f"{page_path} is where the plan's page goes; take another, or --no-page"
+        )
     both_views, both_lights = split_density(density)
     view_set = candidates_named(view_candidates or candidates)
     light_set = candidates_named(light_candidates or candidates)
-    plan = make_plan(
-        load_rig(rig_path) if rig_path else default_rig(),
+    settings: dict[str, Any] = {
+        "view_candidates": view_set,
+        "light_candidates": light_set,
+        "demand": cosine_demand if weight == "cosine" else None,
+        "max_theta_deg": max_theta_deg,
+        "seed": seed or 0,
+    }
+    rig = load_rig(rig_path) if rig_path else default_rig()
+
+    def believed() -> Prior:
+        return prior or material_prior(None)
+
+    if pareto:
+        settings["prior"] = believed
+        write_pareto(output.parent, None if every else criterion, rig, settings)
+        return
+    make = partial(
+        make_plan,
+        rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
-        shots=shots,
-        prior=lambda: prior or material_prior(None),
-        view_candidates=view_set,
-        light_candidates=light_set,
-        demand=cosine_demand if weight == "cosine" else None,
-        max_theta_deg=max_theta_deg,
-        seed=seed or 0,
+        **settings,
     )
+    if use.given:
+        fewest = shots is None and not (views or lights or given)
+        field_of = partial(field_within, rig, light_set, view_set, max_theta_deg)
+        plan = use.plan(make, field_of, believed, shots, fewest=fewest)
+    else:
+        plan = make(shots=shots, prior=believed)
+    plan = use.finish(plan)
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
+    if page:
+        refused = reach_of(light_set, view_set, rig, max_theta_deg).reasons
+        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        click.echo(f"wrote {page_path}")
     if plot:
         _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")
+    use.draw()
 
 
 def _print_table(plan: Plan) -> None:
@@ -192,7 +261,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
-    from gonio.cli._console import duration, size
+    from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
     yield "views", str(selection.views)
@@ -205,6 +274,7 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
+        yield from spared_rows(left_out)
     yield "estimated time", duration(estimates.total_s)
     for name in ("moving", "settling", "exposing", "overhead"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))

@@ -35,6 +35,11 @@ def draw_hemisphere(axes: PolarAxes, chosen: ArrayLike, candidates: ArrayLike, t
     """
     axes.scatter(*_polar(candidates), s=14, facecolors="none", edgecolors="0.6", linewidths=0.8)
     axes.scatter(*_polar(chosen), s=34, color="tab:blue", zorder=3)
+    face_hemisphere(axes, title)
+
+
+def face_hemisphere(axes: PolarAxes, title: str) -> None:
+    """Label polar axes whose radius is theta in degrees, and whose angle is phi."""
     axes.set_rlim(0.0, 90.0)
     axes.set_rgrids(_RINGS_DEG, [f"{ring}°" for ring in _RINGS_DEG], angle=7.5)
     axes.tick_params(labelsize="x-small", colors="0.4")

@@ -89,6 +89,7 @@ def write_study(
     about: str,
     sections: Sequence[Section],
     notes: Sequence[tuple[str, str]],
+    eyebrow: str = "gonio study",
 ) -> None:
     """Write the page, whole or not at all.
 
@@ -102,6 +103,8 @@ def write_study(
         What it found.
     notes
         How it was made, each with its name; command, date and machine come by themselves.
+    eyebrow
+        Which command it is of.
 
     Raises
     ------
@@ -118,8 +121,8 @@ def write_study(
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     content = {
-        "title": title, "about": about, "sections": sections, "notes": [*notes, *made_by()],
-        "versions": versions(),
+        "eyebrow": eyebrow, "title": title, "about": about, "sections": sections,
+        "notes": [*notes, *made_by()], "versions": versions(),
     }  # fmt: skip
     page = environment.get_template("study.html").render(content)
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
