@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
+from gonio.plan import LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
 from gonio.timing import default_timing
@@ -17,7 +17,7 @@ from planner.criteria import criterion_named
 from planner.density import count_of
 from planner.exposures import with_predicted_exposures
 from planner.field import Field
-from planner.reach import apart, refuse_keep_out, within_travel
+from planner.reach import reach_of
 from planner.route import plan_route
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ def make_plan(
     view_candidates: Candidates | None = None,
     light_candidates: Candidates | None = None,
     demand: Demand | None = None,
+    max_theta_deg: float | None = None,
     leave_out: Mapping[str, Omission] | None = None,
     seed: int = 0,
     timing: Timing | None = None,
@@ -60,7 +61,7 @@ def make_plan(
     Parameters
     ----------
     rig
-        What will measure: its travel, separation, speeds and exposures count.
+        What will measure: its travel, separation, boxes, speeds and exposures count.
     views, lights
         `all`, `sixth`, or a number of directions (see `planner.density`).
     criterion
@@ -73,6 +74,8 @@ def make_plan(
         What to choose from (see `planner.candidates`); the paper's 81 unless given.
     demand
         Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    max_theta_deg
+        Leave out directions closer to grazing than that.
     leave_out
         Returns of a field which pairs need not be measured, shape (L, V), by reason.
     seed
@@ -88,13 +91,13 @@ def make_plan(
     BadInputError
         For a density or criterion that is none, or when the rig can take no such shot.
     """
-    refuse_keep_out(rig)
     judge = criterion_named(criterion, prior, seed)
     light_set, view_set = (
         each or paper_candidates() for each in (light_candidates, view_candidates)
     )
-    reach, field = _field_within_reach(light_set, view_set, rig, demand)
-    field, omitted = _without(field, leave_out or {})
+    reach = reach_of(light_set, view_set, rig, max_theta_deg)
+    counts = None if demand is None else demand(light_set, view_set)
+    field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
     if shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
@@ -106,8 +109,8 @@ def make_plan(
     measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
-            f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
-            f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
+            f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
+            "that in the rig file, or take more directions"
         )
     ordered, method = _in_order(field, measured, rig)
     if bracket == "predicted":
@@ -128,7 +131,7 @@ def make_plan(
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, omitted, choice.measured, measured, rig),
+        left_out=reach.left_out(choice.measured, omitted),
         estimates=estimate(ordered, rig, timing),
         shots=ordered,
     )
@@ -140,25 +143,16 @@ def _set_names(lights: Candidates, views: Candidates) -> str:
     return f"lights {lights.name}, views {views.name}"
 
 
-def _field_within_reach(
-    lights: Candidates, views: Candidates, rig: Rig, demand: Demand | None
-) -> tuple[NDArray[np.bool_], Field]:
-    """Return which pairs each arm can take, shape (L, V), and those that keep the arms apart."""
-    reach = np.outer(within_travel(lights, rig, "light"), within_travel(views, rig, "view"))
-    allowed = reach & apart(lights, views, rig)
-    if not allowed.any():
-        raise BadInputError(
-            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
-            "correct it in the rig file"
-        )
-    return reach, Field(lights, views, allowed, None if demand is None else demand(lights, views))
-
-
-def field_of(
-    rig: Rig, lights: Candidates, views: Candidates, leave_out: Mapping[str, Omission]
+def field_within(
+    rig: Rig,
+    lights: Candidates,
+    views: Candidates,
+    max_theta_deg: float | None,
+    leave_out: Mapping[str, Omission],
 ) -> Field:
     """Return the pairs that a plan would choose from."""
-    return _without(_field_within_reach(lights, views, rig, None)[1], leave_out)[0]
+    field = Field(lights, views, reach_of(lights, views, rig, max_theta_deg).allowed)
+    return _without(field, leave_out)[0]
 
 
 def _without(
@@ -208,26 +202,3 @@ def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tupl
         for index, angles in enumerate(angles_deg[route.order].tolist())
     )
     return tuple(shots), route.method
-
-
-def _left_out(
-    reach: NDArray[np.bool_],
-    omitted: Mapping[str, NDArray[np.bool_]],
-    chosen: NDArray[np.bool_],
-    measured: NDArray[np.bool_],
-    rig: Rig,
-) -> tuple[LeftOut, ...]:
-    """Return why each pair that is not measured is not, in the order of the checks."""
-    separation = f"closer than {rig.arm.min_separation_deg:g} deg (arm.min_separation_deg)"
-    reasons = {
-        "beyond the travel of an axis": ~reach,
-        **omitted,
-        "not chosen at this density": reach & ~chosen & ~np.any([*omitted.values()], axis=0),
-        separation: chosen & ~measured,
-    }
-    counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
-    return tuple(
-        LeftOut(reason=reason, shots=shots)
-        for reason, shots in counts.items()
-        if shots or reason in omitted
-    )

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from planner.pairing import may_join
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -175,6 +177,7 @@ class _ProductSearch:
         self.kinds, self.allowed, self.measure = kinds, allowed, measure
         self.pairs = np.arange(allowed.size).reshape(allowed.shape)
         self.chosen: list[list[int]] = [[], []]
+        self.wanted = (0, 0)
 
     def grow(self, lights: int, views: int) -> None:
         alone = sum(self.measure.alone(kind) for kind in self.kinds)
@@ -182,9 +185,9 @@ class _ProductSearch:
         light, view = np.unravel_index(int(np.argmax(first)), first.shape)
         self.chosen = [[int(light)], [int(view)]]
         self._learn(self._measured())
-        wanted = (lights, views)
-        while any(len(chosen) < want for chosen, want in zip(self.chosen, wanted, strict=True)):
-            short = [len(chosen) / want for chosen, want in zip(self.chosen, wanted, strict=True)]
+        self.wanted = (lights, views)
+        while self.wanted != (len(self.chosen[0]), len(self.chosen[1])):
+            short = [len(each) / want for each, want in zip(self.chosen, self.wanted, strict=True)]
             self._add(int(np.argmin(short)))
 
     def exchange(self) -> bool:
@@ -206,7 +209,8 @@ class _ProductSearch:
         if axis == 1:
             blocks, counted = self.pairs[others].T, self.allowed[others].T
         gain = np.asarray(sum(self.measure.block(kind, blocks, counted) for kind in self.kinds))
-        gain[self.chosen[axis]] = -np.inf
+        chosen = (self.chosen[0], self.chosen[1])
+        gain[~may_join(self.allowed, chosen, self.wanted, axis)] = -np.inf
         best = int(np.argmax(gain))
         self.chosen[axis].append(best)
         self._learn(blocks[best][counted[best]])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.criteria import Choice
+from planner.pairing import may_join
 from planner.subset import angles_between, farthest_from, farthest_points, least_energy
 
 if TYPE_CHECKING:
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from planner.field import Field
+    from planner.pairing import Chosen
+    from planner.subset import MayJoin
 
     Array = NDArray[np.float64]
 
@@ -36,9 +39,12 @@ class RandomChoice:
     def product(self, field: Field, lights: int, views: int) -> Choice:
         """Draw lights and views independently."""
         rng = np.random.default_rng(self._seed)
-        light, view = _reach(field)
-        drawn = rng.choice(light, lights, replace=False), rng.choice(view, views, replace=False)
-        return Choice(_product(field, *drawn))
+        chosen: tuple[list[int], list[int]] = ([], [])
+        for axis, count in enumerate((lights, views)):
+            for _ in range(count):
+                may = may_join(field.allowed, chosen, (lights, views), axis)
+                chosen[axis].append(int(rng.choice(np.flatnonzero(may))))
+        return Choice(_product(field, *chosen))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Draw allowed pairs."""
@@ -56,12 +62,12 @@ class FarthestPoint:
 
     def product(self, field: Field, lights: int, views: int) -> Choice:
         """Choose by great-circle distance (see `planner.subset.farthest_points`)."""
-        light, view, directions = _candidates(field)
-        chosen = farthest_points(directions[0], lights, start=0)
-        start = farthest_from(directions[1], directions[0][chosen])
-        return Choice(
-            _product(field, light[chosen], view[farthest_points(directions[1], views, start)])
-        )
+        light, view = field.lights.directions, field.views.directions
+        of_lights, of_views = _joining(field, lights, views)
+        chosen = farthest_points(light, lights, int(np.argmax(of_lights([]))), of_lights)
+        may = of_views(chosen)
+        start = farthest_from(view, light[chosen], may([]))
+        return Choice(_product(field, chosen, farthest_points(view, views, start, may)))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose by the distance of pairs (see `pair_distances`)."""
@@ -78,10 +84,11 @@ class LeastEnergy:
 
     def product(self, field: Field, lights: int, views: int) -> Choice:
         """Choose lights, then views."""
-        light, view, directions = _candidates(field)
-        chosen = least_energy(directions[0], lights)
-        others = least_energy(directions[1], views, directions[0][chosen])
-        return Choice(_product(field, light[chosen], view[others]))
+        light, view = field.lights.directions, field.views.directions
+        of_lights, of_views = _joining(field, lights, views)
+        chosen = least_energy(light, lights, may=of_lights)
+        others = least_energy(view, views, light[chosen], of_views(chosen))
+        return Choice(_product(field, chosen, others))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose pairs one after the other, each where the energy is least."""
@@ -122,20 +129,22 @@ def _spread_pairs(
     return measured
 
 
-def _reach(field: Field) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return np.flatnonzero(field.allowed.any(axis=1)), np.flatnonzero(field.allowed.any(axis=0))
+def _joining(field: Field, lights: int, views: int) -> tuple[MayJoin, Callable[[Chosen], MayJoin]]:
+    """Return which lights may join those chosen, and, for some lights, which views may."""
+    wanted = lights, views
+
+    def of_lights(chosen: Chosen) -> NDArray[np.bool_]:
+        return may_join(field.allowed, (chosen, ()), wanted, axis=0)
+
+    def of_views(chosen_lights: Chosen) -> MayJoin:
+        return lambda chosen: may_join(field.allowed, (chosen_lights, chosen), wanted, axis=1)
+
+    return of_lights, of_views
 
 
-def _candidates(
-    field: Field,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], tuple[Array, Array]]:
-    light, view = _reach(field)
-    return light, view, (field.lights.directions[light], field.views.directions[view])
-
-
-def _product(field: Field, light: NDArray[np.int64], view: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _product(field: Field, light: Chosen, view: Chosen) -> NDArray[np.bool_]:
     chosen = np.zeros_like(field.allowed)
-    chosen[np.ix_(light, view)] = True
+    chosen[np.ix_(np.asarray(light), np.asarray(view))] = True
     return chosen
 
 

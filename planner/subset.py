@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    MayJoin = Callable[[Sequence[int]], ArrayLike]
 
 _SAME_ANGLE = 9
 """Decimals of a radian to which angles count as equal, so that ties do not hang on round-off."""
@@ -17,6 +21,10 @@ _CLOSE = 1e-2
 _SWEEPS = 10
 
 
+def _anything(_: Sequence[int]) -> bool:
+    return True
+
+
 def angles_between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the great-circle distances of unit vectors (n, 3) and (m, 3) in radians, (n, m)."""
     # by arctangent: an arccosine loses half the digits at small angles
@@ -24,16 +32,20 @@ def angles_between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np
     return np.asarray(np.arctan2(cross, a @ b.T))
 
 
-def farthest_from(directions: NDArray[np.float64], others: NDArray[np.float64]) -> int:
+def farthest_from(
+    directions: NDArray[np.float64], others: NDArray[np.float64], among: ArrayLike = True
+) -> int:
     """Return the index of the direction whose nearest of `others` is farthest; ties to the lowest.
 
-    Both are unit vectors, shapes (n, 3) and (m, 3).
+    Both are unit vectors, shapes (n, 3) and (m, 3); only those of `among`, shape (n,), count.
     """
-    gap = angles_between(directions, others).min(axis=1)
-    return int(np.argmax(gap.round(_SAME_ANGLE)))
+    gap = angles_between(directions, others).min(axis=1).round(_SAME_ANGLE)
+    return int(np.argmax(np.where(among, gap, -1.0)))
 
 
-def farthest_points(directions: NDArray[np.float64], count: int, start: int) -> NDArray[np.int64]:
+def farthest_points(
+    directions: NDArray[np.float64], count: int, start: int, may: MayJoin = _anything
+) -> NDArray[np.int64]:
     """Choose directions so that each is as far as can be from those chosen before it.
 
     The greedy 2-approximation of the k-centre problem (Gonzalez 1985).
@@ -46,6 +58,8 @@ def farthest_points(directions: NDArray[np.float64], count: int, start: int) -> 
         How many to choose, 1 to n.
     start
         Index of the first.
+    may
+        Which directions may join those chosen so far.
 
     Returns
     -------
@@ -54,12 +68,15 @@ def farthest_points(directions: NDArray[np.float64], count: int, start: int) -> 
     """
     chosen = [start]
     while len(chosen) < count:
-        chosen.append(farthest_from(directions, directions[chosen]))
+        chosen.append(farthest_from(directions, directions[chosen], may(chosen)))
     return np.sort(np.array(chosen, dtype=np.int64))
 
 
 def least_energy(
-    directions: NDArray[np.float64], count: int, others: NDArray[np.float64] | None = None
+    directions: NDArray[np.float64],
+    count: int,
+    others: NDArray[np.float64] | None = None,
+    may: MayJoin = _anything,
 ) -> NDArray[np.int64]:
     """Choose directions that repel each other, and are repelled by `others`.
 
@@ -74,6 +91,8 @@ def least_energy(
         How many to choose, 1 to n.
     others
         Unit vectors that repel them, too, shape (m, 3).
+    may
+        Which directions may join those chosen so far.
 
     Returns
     -------
@@ -86,21 +105,23 @@ def least_energy(
     energy = outside + np.zeros(len(directions))
     chosen: list[int] = []
     for _ in range(count):
-        _take(chosen, energy, push)
+        _take(chosen, energy, push, may)
     for _ in range(_SWEEPS):
         before = sorted(chosen)
         for index in list(chosen):
             chosen.remove(index)
             energy -= push[index]
-            _take(chosen, energy, push)
+            _take(chosen, energy, push, may)
         if sorted(chosen) == before:
             break
     return np.sort(np.array(chosen, dtype=np.int64))
 
 
-def _take(chosen: list[int], energy: NDArray[np.float64], push: NDArray[np.float64]) -> None:
+def _take(
+    chosen: list[int], energy: NDArray[np.float64], push: NDArray[np.float64], may: MayJoin
+) -> None:
     """Add the direction of least energy, ties to the lowest index; `energy` follows."""
-    free = energy.copy()
+    free = np.where(may(chosen), energy, np.inf)
     free[chosen] = np.inf
     least = free.min()
     best = int(np.argmax(free <= least * (1 + _SAME_ENERGY)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +12,12 @@ import click
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from gonio.plan import LeftOut, Plan
     from gonio.protocols import Prior
-    from gonio.rig import Rig
-    from planner.candidates import Candidates
+    from planner.field import Field
+    from planner.make import Omission
     from planner.scene.pairs import LocalPairs
     from planner.scene.sparing import Maker
 
@@ -123,20 +123,18 @@ class SceneOptions:
     def plan(
         self,
         make: Maker,
-        rig: Rig,
-        sides: tuple[Candidates, Candidates],
+        field_of: Callable[[Mapping[str, Omission]], Field],
         prior: Callable[[], Prior],
         shots: int | None,
         *,
         fewest: bool,
     ) -> Plan:
-        """Make the plan (see `planner.scene.sparing`); `sides` are candidate lights and views."""
-        from planner.make import field_of
+        """Make the plan (see `planner.scene.sparing`)."""
         from planner.scene.sparing import Wanted, plan_for_use
         from planner.scene.use import Use
 
         use, wanted = Use(self.pairs, self.isotropic), Wanted(shots, fewest)
-        return plan_for_use(use, wanted, make, partial(field_of, rig, *sides), prior)
+        return plan_for_use(use, wanted, make, field_of, prior)
 
     def finish(self, plan: Plan) -> Plan:
         """Add what leaving out color saves, where it is left out."""

@@ -169,7 +169,7 @@ def _created(
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
     plan = _plan_for(plan_path, rig, rig_path)
-    check_reach(plan, rig)
+    check_reach(plan.shots, rig)
     remedy = "free some space or choose another folder with -o"
     check_space(root, plan.estimates.frames, rig, remedy)
     session = create_session(

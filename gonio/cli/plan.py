@@ -74,6 +74,13 @@ BRACKETS = ("all", "predicted")
 @click.option(
     "--light-candidates", metavar="SET", help="The same for the lights alone; before --candidates."
 )
+@click.option(
+    "--max-theta",
+    "max_theta_deg",
+    type=float,
+    metavar="DEG",
+    help="Leave out directions of lights and views closer to grazing than that, 0 to 90.",
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Of the random criterion.  [default: 0]")
 @click.option(
     "--shots",
@@ -141,6 +148,7 @@ def command(
     candidates: str,
     view_candidates: str | None,
     light_candidates: str | None,
+    max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
     scene: Path | None,
@@ -183,8 +191,8 @@ def command(
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
-    from planner.make import make_plan
-    from planner.refused import refused_pairs
+    from planner.make import field_within, make_plan
+    from planner.reach import reach_of
 
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
@@ -224,6 +232,7 @@ def command(
         "view_candidates": view_set,
         "light_candidates": light_set,
         "demand": cosine_demand if weight == "cosine" else None,
+        "max_theta_deg": max_theta_deg,
         "seed": seed or 0,
         "timing": timing,
         "bracket": bracket,
@@ -242,7 +251,8 @@ def command(
     )
     if use.given:
         fewest = shots is None and not (views or lights or given)
-        plan = use.plan(make, rig, (light_set, view_set), believed, shots, fewest=fewest)
+        field_of = partial(field_within, rig, light_set, view_set, max_theta_deg)
+        plan = use.plan(make, field_of, believed, shots, fewest=fewest)
     else:
         plan = make(shots=shots, prior=believed)
     plan = use.finish(plan)
@@ -252,7 +262,7 @@ def command(
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if page:
-        refused = refused_pairs(light_set, view_set, rig)
+        refused = reach_of(light_set, view_set, rig, max_theta_deg).reasons
         write_plan_page(page_path, plan, rig, light_set, view_set, refused)
         click.echo(f"wrote {page_path}")
     if plot:

@@ -61,10 +61,10 @@ def test_a_refused_plan_leaves_the_old_one(gonio, tmp_path):
 
 
 def test_a_rig_of_ones_own(gonio, tmp_path):
-    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 20.0")
+    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 100.0")
     (tmp_path / "rig.toml").write_text(text)
     result = gonio("plan", "--rig", "rig.toml")
-    assert "closer than 20 deg (arm.min_separation_deg)" in result.stdout
+    assert "closer than 100 deg (arm.min_separation_deg)" in result.stdout
     assert len(Plan.load(tmp_path / "plan.json").shots) < 196
 
 

@@ -141,15 +141,23 @@ def test_short_travel_leaves_directions_out():
 
 TRAVEL = [
     # changes to the rig, views, what the line says
-    ({"axis__view_theta__max_deg": 62.0}, 58, "view_theta and view_phi reaches 57 of 81"),
-    ({"axis__view_theta__max_deg": 1.0}, "sixth", "view_theta and view_phi reaches 1 of 81"),
+    (
+        {"axis__view_theta__max_deg": 62.0},
+        58,
+        "travel of view_theta and view_phi and clear of everything are 57 of 81",
+    ),
+    (
+        {"axis__view_theta__max_deg": 1.0},
+        "sixth",
+        "view_theta and view_phi and clear of everything are 1 of 81",
+    ),
     ({"axis__light_theta__min_deg": 80.0}, 1, "none of the 81 .* light_theta and light_phi"),
     ({"axis__light_phi__min_deg": 359.0}, 1, "none of the 81 .* light_theta and light_phi"),
     ({"arm__min_separation_deg": 179.0}, 14, "all pairs are closer than"),
     (
-        {"arm__keep_out": [{"min_mm": (0, 0, 0), "max_mm": (1, 1, 1)}]},
+        {"arm__keep_out": [{"min_mm": (-3e3, -3e3, 100), "max_mm": (3e3, 3e3, 3e3)}]},
         14,
-        "keep_out: this version does not plan around boxes",
+        "none of the 81 .* 81 inside a keep-out box",
     ),
 ]
 

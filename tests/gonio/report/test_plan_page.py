@@ -15,7 +15,7 @@ from gonio.rig import default_rig
 from gonio.timemodel import estimate
 from planner.candidates import Candidates, candidates_named, paper_candidates
 from planner.make import make_plan
-from planner.refused import refused_pairs
+from planner.reach import reach_of
 
 RIG = default_rig()
 PAPER = paper_candidates()
@@ -48,7 +48,7 @@ def page(tmp_path, standalone):
 
     def write(plan, lights=PAPER, views=PAPER, rig=RIG, most_bytes=1_000_000):
         target = tmp_path / "plan.html"
-        write_plan_page(target, plan, rig, lights, views, refused_pairs(lights, views, rig))
+        write_plan_page(target, plan, rig, lights, views, reach_of(lights, views, rig).reasons)
         assert target.stat().st_size < most_bytes
         return standalone(target.read_text())
 
