@@ -178,8 +178,10 @@ def _learned(arrays: dict[str, Array]) -> list[LearnedMaterial]:
     return result
 
 
-def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return a factor of the covariance of the pairs that differ, and which each pair is.
+def _factor(
+    family: Family, pairs: Pairs, rank: int
+) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+    """Return a factor of the covariance of the pairs that differ, which each is, and the rest.
 
     Of very many pairs a few are drawn, which choose the columns, and the others follow from these
     (Nystroem's way; Williams and Seeger 2001), so that nothing grows with their square.
@@ -198,9 +200,13 @@ def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[NDArray[Any], NDAr
         return family.covariance(landmarks, one, _EXPECTED)[:, 0]
 
     pivots, factor = pivots_and_factor(variance, column, rank)
-    if many:
-        factor = _spread(family, distinct, landmarks.part(pivots), factor[pivots])
-    return factor, which
+    if not many:
+        return factor, which, _rest(variance, factor)
+    return _spread(family, distinct, which, landmarks.part(pivots), factor[pivots])
+
+
+def _rest(variance: Array, factor: NDArray[Any]) -> Array:
+    return np.asarray((variance - np.einsum("ij,ij->i", factor, factor)).clip(0.0))
 
 
 def _thinned(family: Family, examples: int) -> Family:
@@ -209,14 +215,19 @@ def _thinned(family: Family, examples: int) -> Family:
     return replace(family, examples=family.examples.select(rows))
 
 
-def _spread(family: Family, distinct: Pairs, pivots: Traits, lower: Array) -> NDArray[Any]:
-    """Return the factor at all pairs from the covariance with some and its lower factor there."""
+def _spread(
+    family: Family, distinct: Pairs, which: NDArray[np.int64], pivots: Traits, lower: Array
+) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+    """Return what `_factor` does, from the covariance with some and its lower factor there."""
     from scipy.linalg import solve_triangular
 
     # single precision: half a million rows of 150 numbers, and both kinds of them
     result = np.empty((len(distinct), len(lower)), np.float32)
+    rest = np.empty(len(distinct))
     for start in range(0, len(distinct), _AT_ONCE):
         rows = slice(start, start + _AT_ONCE)
-        covariance = family.covariance(pivots, family.traits(distinct.part(rows)), _EXPECTED)
+        traits = family.traits(distinct.part(rows))
+        covariance = family.covariance(pivots, traits, _EXPECTED)
         result[rows] = solve_triangular(lower, covariance, lower=True).T
-    return result
+        rest[rows] = _rest(family.variances(traits).total(_EXPECTED), result[rows])
+    return result, which, rest
