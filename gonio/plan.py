@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from gonio.errors import BadFileError
 from gonio.files import canonical_json, sha256_bytes, write_json
@@ -70,7 +70,8 @@ class Shot(Document):
 class Selection(Document):
     """How the shots were chosen.
 
-    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked.
+    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
+    and `variance_bound` what any choice of as many pairs leaves at least.
     """
 
     criterion: str
@@ -80,14 +81,38 @@ class Selection(Document):
     full_set: int = Field(ge=1)
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
+    variance_bound: float | None = Field(default=None, ge=0)
     route: str
 
 
 class LeftOut(Document):
-    """Shots that were not taken, and why."""
+    """Shots that were not taken, and why.
+
+    Attributes
+    ----------
+    reason
+        Follows their number in a sentence.
+    shots
+        How many pairs that concerns.
+    spared_shots, spared_min
+        How many shots and minutes fewer the plan takes for it than one without this omission;
+        below zero: more. None where that was not asked.
+    error_inside, error_outside
+        Change of the expected standard deviation of ln(BRDF), as a mean over what a scene asks for
+        and over what it does not.
+    """
 
     reason: str
     shots: int = Field(ge=0)
+    spared_shots: int | None = None
+    spared_min: float | None = None
+    error_inside: float | None = None
+    error_outside: float | None = None
+
+    @model_serializer(mode="wrap")
+    def _what_is_known(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # without nulls: the hash of a plan that has no such numbers stays as it was
+        return {name: value for name, value in handler(self).items() if value is not None}
 
 
 class Estimates(Document):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -11,6 +12,7 @@ from pydantic import Field, field_validator, model_validator
 
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.geometry import HOLDER_RADIUS_MM
 from gonio.validation import Document, check, parse_toml, read_text, within
 
 AXES = ("view_theta", "view_phi", "light_theta", "light_phi")
@@ -43,6 +45,19 @@ class KeepOut(Document):
     def _corners_in_order(self) -> KeepOut:
         if any(low >= high for low, high in zip(self.min_mm, self.max_mm, strict=True)):
             raise ValueError("each of min_mm must be below the same of max_mm")
+        return self
+
+    @model_validator(mode="after")
+    def _leaves_the_sample(self) -> KeepOut:
+        # every line of sight ends there, so no pose would be free
+        nearest = [
+            max(low, min(high, 0.0)) for low, high in zip(self.min_mm, self.max_mm, strict=True)
+        ]
+        if self.max_mm[2] > 0.0 and math.hypot(*nearest) < HOLDER_RADIUS_MM:
+            raise ValueError(
+                f"the box reaches within {HOLDER_RADIUS_MM:g} mm of the sample's centre, where "
+                "every line of sight ends; end it below z = 0, or keep it further out"
+            )
         return self
 
 

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
+from gonio.plan import LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
 from gonio.timing import default_timing
 from planner.candidates import paper_candidates
-from planner.criteria import criterion_named, reciprocal_pairs
+from planner.criteria import criterion_named
 from planner.density import count_of
 from planner.exposures import with_predicted_exposures
-from planner.reach import apart, refuse_keep_out, within_travel
+from planner.field import Field
+from planner.reach import reach_of
 from planner.route import plan_route
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
     from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
+
+    Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
+    Omission = Callable[[Field], NDArray[np.bool_]]
 
 FULL_CURRENT_MA = 700.0
 
@@ -40,6 +45,12 @@ def make_plan(
     criterion: str = "farthest",
     shots: int | None = None,
     prior: Callable[[], Prior] | None = None,
+    view_candidates: Candidates | None = None,
+    light_candidates: Candidates | None = None,
+    demand: Demand | None = None,
+    max_theta_deg: float | None = None,
+    leave_out: Mapping[str, Omission] | None = None,
+    seed: int = 0,
     timing: Timing | None = None,
     bracket: str = "all",
 ) -> Plan:
@@ -50,7 +61,7 @@ def make_plan(
     Parameters
     ----------
     rig
-        What will measure: its travel, separation, speeds and exposures count.
+        What will measure: its travel, separation, boxes, speeds and exposures count.
     views, lights
         `all`, `sixth`, or a number of directions (see `planner.density`).
     criterion
@@ -59,6 +70,16 @@ def make_plan(
         Choose so many pairs freely, rather than all pairs of some views and lights.
     prior
         Makes what is believed of the material, for criteria that ask, and for predicted exposures.
+    view_candidates, light_candidates
+        What to choose from (see `planner.candidates`); the paper's 81 unless given.
+    demand
+        Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    max_theta_deg
+        Leave out directions closer to grazing than that.
+    leave_out
+        Returns of a field which pairs need not be measured, shape (L, V), by reason.
+    seed
+        Of the random criterion.
     timing
         How the rig acts; without it, as `gonio.timing.default_timing` expects.
     bracket
@@ -70,62 +91,90 @@ def make_plan(
     BadInputError
         For a density or criterion that is none, or when the rig can take no such shot.
     """
-    refuse_keep_out(rig)
-    candidates = paper_candidates()
-    reach, allowed = _pairs_within_reach(candidates, rig)
-    judge = criterion_named(criterion, candidates.directions, prior)
+    judge = criterion_named(criterion, prior, seed)
+    light_set, view_set = (
+        each or paper_candidates() for each in (light_candidates, view_candidates)
+    )
+    reach = reach_of(light_set, view_set, rig, max_theta_deg)
+    counts = None if demand is None else demand(light_set, view_set)
+    field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
     if shots is not None:
-        choice = judge.pairs(allowed, _checked_shots(shots, int(allowed.sum())))
+        choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
         choice = judge.product(
-            allowed,
-            count_of(views, len(candidates), int(reach.any(axis=0).sum()), "view"),
-            count_of(lights, len(candidates), int(reach.any(axis=1).sum()), "light"),
+            field,
+            count_of(lights, len(light_set), int(field.allowed.any(axis=1).sum()), "light"),
+            count_of(views, len(view_set), int(field.allowed.any(axis=0).sum()), "view"),
         )
-    measured = choice.measured & allowed
+    measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
-            f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
-            f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
+            f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
+            "that in the rig file, or take more directions"
         )
-    ordered, method = _in_order(candidates, measured, rig)
+    ordered, method = _in_order(field, measured, rig)
     if bracket == "predicted":
         if prior is None:
             raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
         ordered = with_predicted_exposures(ordered, prior(), rig, timing or default_timing(rig))
     selection = Selection(
         criterion=criterion,
-        candidates=candidates.name,
+        candidates=_set_names(light_set, view_set),
         views=int(measured.any(axis=0).sum()),
         lights=int(measured.any(axis=1).sum()),
         full_set=measured.size,
-        reciprocal_pairs=reciprocal_pairs(measured),
+        reciprocal_pairs=field.reciprocal(measured),
         variance_left=choice.variance_left,
+        variance_bound=choice.variance_bound,
         route=method,
     )
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, choice.measured, measured, rig),
+        left_out=reach.left_out(choice.measured, omitted),
         estimates=estimate(ordered, rig, timing),
         shots=ordered,
     )
 
 
-def _pairs_within_reach(
-    candidates: Candidates, rig: Rig
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which pairs each arm can take, and which of these keep the arms apart, (n, n)."""
-    reach = np.outer(
-        within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
-    )
-    allowed = reach & apart(candidates, rig)
-    if not allowed.any():
-        raise BadInputError(
-            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
-            "correct it in the rig file"
-        )
-    return reach, allowed
+def _set_names(lights: Candidates, views: Candidates) -> str:
+    if lights.name == views.name:
+        return lights.name
+    return f"lights {lights.name}, views {views.name}"
+
+
+def field_within(
+    rig: Rig,
+    lights: Candidates,
+    views: Candidates,
+    max_theta_deg: float | None,
+    leave_out: Mapping[str, Omission],
+) -> Field:
+    """Return the pairs that a plan would choose from."""
+    field = Field(lights, views, reach_of(lights, views, rig, max_theta_deg).allowed)
+    return _without(field, leave_out)[0]
+
+
+def _without(
+    field: Field, leave_out: Mapping[str, Omission]
+) -> tuple[Field, dict[str, NDArray[np.bool_]]]:
+    """Return the field less what is left out, and which pairs that are, by reason.
+
+    Raises
+    ------
+    BadInputError
+        When nothing is left.
+    """
+    omitted = {}
+    for reason, of in leave_out.items():
+        omitted[reason] = field.allowed & of(field)
+        field = replace(field, allowed=field.allowed & ~omitted[reason])
+        if not field.allowed.any():
+            raise BadInputError(
+                f"no pair is left: all that the rig can take {reason}; widen the scene, or the "
+                "travel in the rig file"
+            )
+    return field, omitted
 
 
 def _checked_shots(shots: int, most: int) -> int:
@@ -134,14 +183,12 @@ def _checked_shots(shots: int, most: int) -> int:
     return shots
 
 
-def _in_order(
-    candidates: Candidates, measured: NDArray[np.bool_], rig: Rig
-) -> tuple[tuple[Shot, ...], str]:
+def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tuple[Shot, ...], str]:
     """Return the shots of `measured`, indexed [light, view], in route order, and its method."""
     light, view = np.nonzero(measured)
-    theta_deg, phi_deg = candidates.theta_deg, candidates.phi_deg
+    sides = (field.views, view), (field.lights, light)
     angles_deg = np.stack(
-        [theta_deg[view], phi_deg[view], theta_deg[light], phi_deg[light]], axis=1
+        [angle[rows] for each, rows in sides for angle in (each.theta_deg, each.phi_deg)], axis=1
     )
     route = plan_route(angles_deg, rig)
     lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)
@@ -155,17 +202,3 @@ def _in_order(
         for index, angles in enumerate(angles_deg[route.order].tolist())
     )
     return tuple(shots), route.method
-
-
-def _left_out(
-    reach: NDArray[np.bool_], chosen: NDArray[np.bool_], measured: NDArray[np.bool_], rig: Rig
-) -> tuple[LeftOut, ...]:
-    """Return why each pair that is not measured is not, in the order of the checks."""
-    separation = f"closer than {rig.arm.min_separation_deg:g} deg (arm.min_separation_deg)"
-    reasons = {
-        "beyond the travel of an axis": ~reach,
-        "not chosen at this density": reach & ~chosen,
-        separation: chosen & ~measured,
-    }
-    counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
-    return tuple(LeftOut(reason=reason, shots=shots) for reason, shots in counts.items() if shots)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from gonio.capture.instrument import Instrument, Operator
-from gonio.capture.run import Capture, check_reach, check_space
+from gonio.capture.reach import check_reach
+from gonio.capture.run import Capture, check_space
 from gonio.timemodel import WHITE_POSE_DEG
 
 __all__ = [

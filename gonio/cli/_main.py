@@ -83,7 +83,9 @@ def main() -> None:
         # click makes an Abort of what it catches
         cause = stop.__cause__ or stop
         code = _TERMINATED if isinstance(cause, _Terminated) else _INTERRUPTED
-        _fail(_with_notes("stopped; what was finished is kept", cause), code)
+        # a command may have said what is kept of it
+        kept = "; ".join(map(str, cause.args)) or "what was finished is kept"
+        _fail(_with_notes(f"stopped; {kept}", cause), code)
     except OSError as error:
         place = error.filename or "input/output"
         if error.errno in _REFUSED:

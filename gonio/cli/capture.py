@@ -169,7 +169,7 @@ def _created(
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
     plan = _plan_for(plan_path, rig, rig_path)
-    check_reach(plan, rig)
+    check_reach(plan.shots, rig)
     remedy = "free some space or choose another folder with -o"
     check_space(root, plan.estimates.frames, rig, remedy)
     session = create_session(
@@ -221,8 +221,9 @@ def _measure(session: Session, settings: TwinSettings) -> None:
 
 
 def _report(session: Session, settings: TwinSettings, frames: int, took_s: float) -> None:
-    from gonio.cli._console import console, duration
+    from gonio.cli._console import console
     from gonio.score import score_of
+    from gonio.words import duration
 
     if not frames:
         console.print(f"{session.root}: nothing left to take; the session is complete")

@@ -45,11 +45,12 @@ def command(*, sim: bool, rig_path: Path | None, seed: int, output: Path | None)
         gonio rig bench --sim --rig rig.toml
     """  # noqa: D301
     from gonio.bench import bench_rig
-    from gonio.cli._console import console, duration, progress_bar
+    from gonio.cli._console import console, progress_bar
     from gonio.cli._twin import simulated_rig
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
     from gonio.timing import TIMING_NAME
+    from gonio.words import duration
 
     if not sim:
         raise BadInputError(

@@ -228,18 +228,26 @@ def grid_pairs() -> Pairs:
 
 
 def pivoted_cholesky(diagonal: Array, column: Callable[[int], Array], rank: int) -> Array:
-    """Return a factor of a covariance from few of its columns, shape (n, rank or fewer).
+    """Return a factor of a covariance from few of its columns, shape (n, rank or fewer)."""
+    return pivots_and_factor(diagonal, column, rank)[1]
+
+
+def pivots_and_factor(
+    diagonal: Array, column: Callable[[int], Array], rank: int
+) -> tuple[NDArray[np.int64], Array]:
+    """Return which columns of a covariance tell most, and the factor that they make.
 
     Harbrecht, Peters and Schneider (2012), algorithm 1: each step takes the column of the largest
     variance left.
     """
     left = diagonal.copy()
     factor = np.zeros((len(left), min(rank, len(left))))
+    pivots = np.zeros(factor.shape[1], np.int64)
     for step in range(factor.shape[1]):
-        pivot = int(np.argmax(left))
+        pivots[step] = pivot = int(np.argmax(left))
         if left[pivot] <= _NOTHING * diagonal.max():
-            return factor[:, :step]
+            return pivots[:step], factor[:, :step]
         rest = column(pivot) - factor[:, :step] @ factor[pivot, :step]
         factor[:, step] = rest / np.sqrt(left[pivot])
         left = (left - factor[:, step] ** 2).clip(0.0)
-    return factor
+    return pivots, factor
