@@ -150,17 +150,23 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
     timing
         How it acts; without it, as `gonio.timing.default_timing` expects.
     """
+    from gonio.legs import legs_of  # ways round are judged by the times of this module
+
     timing = timing or default_timing(rig)
     home = [rig.axis[name].to_degrees(0) for name in AXES]
     white = [WHITE_POSE_DEG[name] for name in AXES]
-    angles_deg = np.vstack([home, white, pose_angles_deg(shots)])
-    moving, still = route_times(angles_deg, rig, timing), still_times(angles_deg, rig, timing)
+    angles_deg, begins = legs_of(np.vstack([home, white, pose_angles_deg(shots)]), rig)
+    legs = route_times(angles_deg, rig, timing)
+    moving, ends = np.add.reduceat(legs, begins), np.append(begins[1:], len(legs)) - 1
+    # nobody waits until the arms are still on the way
+    settling = (still_times(angles_deg, rig, timing) - legs)[ends]
+    still = moving + settling
     calibration = calibration_exposures_s(shots)
     frames = sum(len(shot.exposures_s) for shot in shots) + len(calibration)
     exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots) + math.fsum(calibration)
     budget = Budget()
     budget.add_seconds(exposing)
-    _add_moves(budget, _settled(angles_deg, rig, timing), moving, still, timing)
+    _add_moves(budget, _settled(angles_deg, rig, timing)[:, ends], moving, still, timing)
     # the way to the first shot begins when all white frames are in
     overlapped = np.minimum(still[2:] + timing.lamps.mean_s, timing.read_out.mean_s)
     homing = budget.add(homing_time(rig, timing))
@@ -175,7 +181,7 @@ def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> E
     low_s, high_s = budget.interval_s
     return Estimates(
         moving_s=float(moving.sum()),
-        settling_s=float((still - moving).sum()),
+        settling_s=float(settling.sum()),
         exposing_s=exposing,
         overhead_s=overhead,
         homing_s=homing,
