@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gonio.capture.wanted import Wanted
     from gonio.journal import Journal
     from gonio.plan import LampSetting, Plan, Shot
+    from gonio.planchain import PlanChain
     from gonio.protocols import Progress
     from gonio.rig import Rig
     from gonio.session import Session
@@ -29,7 +30,7 @@ _SPARE_BYTES = 50_000_000
 
 
 class Capture:
-    """One run over a session's plan; what is already there is not taken again.
+    """One run over a session's plans in order; what is already there is not taken again.
 
     Parameters
     ----------
@@ -48,10 +49,10 @@ class Capture:
         self._instrument = instrument
         self._operator = operator
         self._journal = journal
-        self._plan = session.plan()
+        self._chain = session.chain()
         self._rig = session.rig()
         self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
-        self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
+        self._missing = Missing(session, self._chain, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
         """Take every missing frame.
@@ -80,15 +81,15 @@ class Capture:
 
     def _run(self, progress: Progress | None) -> int:
         dark, white = self._missing.dark(), self._missing.white()
-        shots = [(shot, self._missing.of_shot(shot)) for shot in self._plan.shots]
+        shots = [(shot, self._missing.of_shot(shot)) for shot in self._chain.shots]
         todo = [(shot, frames) for shot, frames in shots if frames]
         total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
-        check_reach(self._plan, self._rig)
+        check_reach(self._chain, self._rig)
         check_space(self._session.root, total, self._rig, self._space_remedy())
         if not total:
             return 0
         counter = _Counter(total, progress)
-        self._note("begun", plan=self._plan.sha256, rig=self._rig.sha256, frames=total)
+        self._note("begun", plan=self._chain.last.sha256, rig=self._rig.sha256, frames=total)
         with self._instrument.ready():
             self._note("homed")
             self._calibrate(dark, white, counter)
@@ -119,8 +120,8 @@ class Capture:
             taker.take(white, self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
-        # each lamp that the plan ever lights, at its first current: the flux monitor does the rest
-        settings = {lamp.n: lamp for shot in reversed(self._plan.shots) for lamp in shot.lamps}
+        # each lamp that a plan ever lights, at its first current: the flux monitor does the rest
+        settings = {lamp.n: lamp for shot in reversed(self._chain.shots) for lamp in shot.lamps}
         return tuple(settings[n] for n in sorted(settings))
 
     def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:
@@ -151,7 +152,7 @@ class _Counter:
             self._progress(self._done, self._total)
 
 
-def check_reach(plan: Plan, rig: Rig) -> None:
+def check_reach(plan: Plan | PlanChain, rig: Rig) -> None:
     """Refuse a plan before anything moves when the rig cannot reach all of it.
 
     Raises

@@ -228,7 +228,7 @@ def _report(session: Session, settings: TwinSettings, frames: int, took_s: float
     if not frames:
         console.print(f"{session.root}: nothing left to take; the session is complete")
         return
-    expected, name = session.plan().estimates.total_s, Path(settings.material).stem
+    expected, name = session.chain().estimated_s, Path(settings.material).stem
     console.print(
         f"{session.root}: {frames} frames of {name} in {duration(took_s)} of rig time "
         f"(whole plan estimated at {duration(expected)})"

@@ -80,7 +80,7 @@ def _render(
         loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    chain = session.chain() if session else []
+    chain = session.chain().plans if session else ()
     estimate = load_model(model)
     content: dict[str, Any] = {
         "summary": summary,

@@ -39,7 +39,7 @@ def hashes(model: Path, samples: Samples, session: Session | None) -> list[tuple
 def _of_session(session: Session | None) -> Iterator[tuple[str, str]]:
     if session is None:
         return
-    for number, plan in enumerate(session.chain()):
+    for number, plan in enumerate(session.chain().plans):
         yield f"plan {number:03d}", plan.sha256
     yield "rig", session.rig().sha256
     if session.samples_path.is_file():
