@@ -144,8 +144,15 @@ class Session:
         """Return the plans, oldest first (errors as `gonio.planchain.load_chain`)."""
         return load_chain(self.plans, self.rig().sha256)
 
-    def add_plan(self, plan: Plan) -> Path:
+    def add_plan(self, plan: Plan, source: Path | None = None) -> Path:
         """Add a plan to the chain, whole or not at all; the session is locked by the caller.
+
+        Parameters
+        ----------
+        plan
+            It names the last one as its parent.
+        source
+            The file that it came from, where it did.
 
         Returns
         -------
@@ -161,7 +168,7 @@ class Session:
         """
         chain = self.chain()
         path = self.plans / chain.next_name
-        chain.check_next(plan, path)
+        chain.check_next(plan, source or path)
         plan.save(path)
         return path
 

@@ -112,6 +112,9 @@ def last_goal(journal: Journal) -> Goal | None:
 
 
 def ending(journal: Journal) -> str | None:
-    """Return what ended the adaptive capture that was the last one, as a person reads it."""
-    events = list(journal.events(_ENDED))
-    return str(events[-1].data.get("reason")) if events else None
+    """Return what ended the last adaptive capture; None where there was none or it goes on."""
+    told = None
+    for event in journal.events():
+        if event.kind in (_BEGUN, _ENDED):
+            told = event.data.get("reason")
+    return None if told is None else str(told)

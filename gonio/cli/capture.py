@@ -140,6 +140,9 @@ def _resumed(
 
     session = Session.open(root)
     plan = Plan.load(plan_path) if plan_path else None
+    if plan is not None and plan.parent is not None and plan not in session.chain().plans:
+        with session.lock():
+            session.add_plan(plan, plan_path)
     session.check_same(plan, load_rig(rig_path) if rig_path else None)
     return session, recall(session, material, seed)
 
