@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gonio.adaptive.goal import note_end
 from gonio.errors import NothingLeftError
@@ -61,13 +61,21 @@ class Rounds:
         Takes stock of it.
     goal
         When to end.
+    choice
+        How pairs are chosen, as of `gonio.adaptive.Standing.next_plan`.
     """
 
     def __init__(
-        self, session: Session, journal: Journal, clock: Clock, watch: Watch, goal: Goal
+        self,
+        session: Session,
+        journal: Journal,
+        clock: Clock,
+        watch: Watch,
+        goal: Goal,
+        **choice: Any,
     ) -> None:
         self._session, self._journal, self._clock = session, journal, clock
-        self._watch, self._goal = watch, goal
+        self._watch, self._goal, self._choice = watch, goal, choice
 
     def run(
         self,
@@ -122,7 +130,7 @@ class Rounds:
         """Return the next plan, of fewer shots where time is short; None where none fits."""
         left_s = self._goal.seconds - rig_time(self._journal.events())
         while shots >= 1:
-            plan = standing.next_plan(shots)
+            plan = standing.next_plan(shots, **self._choice)
             takes_s = plan.estimates.total_s
             if takes_s <= left_s:
                 return plan

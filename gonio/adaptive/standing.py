@@ -13,8 +13,7 @@ from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.ground import Grounds
 from nnbrdf.prior.infer import infer
 from nnbrdf.usable import check_samples
-from planner.further import Further
-from planner.make import make_plan
+from planner.further import Before, make_further_plan
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,19 +98,19 @@ class Standing:
         shots
             How many; of fewer that are left, all.
         choice
-            More of `planner.make.make_plan`: candidates, criterion, demand.
+            More of `planner.make.make_plan`: candidates, criterion, demand, timing, bracket.
 
         Raises
         ------
         gonio.errors.BadInputError
-            When the rig can take no other pair.
+            As `planner.further.make_further_plan`.
         """
-        # of the exposures, this is where `self.belief.expected` says how bright pairs will be
-        plan = make_plan(
+        # `choice` may say bracket="predicted": then exposures come from `self.belief.expected`
+        plan = make_further_plan(
             self.session.rig(),
-            shots=shots,
+            self._before(),
+            shots,
             prior=lambda: self.belief,
-            after=self._further(),
             **({"criterion": "i-optimal"} | choice),
         )
         light, view = (_directions(plan.shots, side) for side in ("light", "view"))
@@ -121,11 +120,11 @@ class Standing:
         }
         return plan.model_copy(update={"selection": plan.selection.model_copy(update=told)})
 
-    def _further(self) -> Further:
+    def _before(self) -> Before:
         strange = set(self.samples.shot_index[self.belief.inference.outliers].tolist())
-        return Further(
+        return Before(
             parent=self.chain.last.sha256,
-            first_index=self.chain.next_index,
+            next_index=self.chain.next_index,
             shots=[shot for shot in self.chain.shots if shot.index not in strange],
             reverses=self.belief.inference.posterior.reciprocal,
             calibrated_s=self.chain.exposures_s,

@@ -6,20 +6,17 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import click
-
 if TYPE_CHECKING:
     from pathlib import Path
 
     from gonio.adaptive import Goal, Round
     from gonio.cli._twin import TwinSettings
     from gonio.plan import Plan
-    from gonio.rig import Rig
     from gonio.samples import Samples
     from gonio.session import Session
 
 FIRST_SHOTS = 32
-"""Pairs of a first plan: enough to tell what kind of material it is."""
+"""Of a first plan: enough to tell what kind of material it is."""
 
 
 @dataclass(frozen=True)
@@ -87,15 +84,9 @@ def _read(path: Path | None) -> Path | None:
     return path
 
 
-def first_plan(rig: Rig, goal: Goal) -> Plan:
-    """Return few pairs that tell most before anything of the material is known."""
-    from gonio.cli._prior import material_prior
-    from planner.make import make_plan
-
-    shots = min(FIRST_SHOTS, goal.max_shots or FIRST_SHOTS)
-    click.echo(f"no plan.json here, so this begins with {shots} pairs (see gonio plan --help)")
-    prior = material_prior(goal.prior_path)
-    return make_plan(rig, shots=shots, criterion="i-optimal", prior=lambda: prior)
+def first_shots(goal: Goal) -> int:
+    """Return how many pairs to begin with where no plan was given."""
+    return min(FIRST_SHOTS, goal.max_shots or FIRST_SHOTS)
 
 
 def check_affordable(plan: Plan, goal: Goal) -> None:
@@ -106,8 +97,8 @@ def check_affordable(plan: Plan, goal: Goal) -> None:
     gonio.errors.BadInputError
         Naming the limit.
     """
-    from gonio.cli._console import duration
     from gonio.errors import BadInputError
+    from gonio.words import duration
     from nnbrdf.usable import MIN_SAMPLES
 
     shots, seconds = len(plan.shots), plan.estimates.total_s
@@ -144,6 +135,7 @@ def measure_adaptively(session: Session, settings: TwinSettings, goal: Goal) -> 
     from gonio.cli._console import progress_bar
     from gonio.cli._prior import material_prior
     from gonio.cli._samples import reduced
+    from gonio.cli._timing import timing_for
     from gonio.cli._twin import simulated
 
     watch = Watch(session, material_prior(goal.prior_path))
@@ -163,14 +155,19 @@ def measure_adaptively(session: Session, settings: TwinSettings, goal: Goal) -> 
         def reduce() -> Samples:
             return reduced(session)
 
-        rounds = Rounds(session, journal, instrument.clock, watch, goal)
+        timing = timing_for(session.rig(), session.rig_path, None)
+        rounds = Rounds(
+            session, journal, instrument.clock, watch, goal,
+            timing=timing, bracket="predicted" if timing else "all",
+        )  # fmt: skip
         last = rounds.run(capture, reduce, lambda state: _tell(state, goal))
         session.note_timing("adaptive", time.perf_counter() - began)
     _conclude(session, last)
 
 
 def _tell(state: Round, goal: Goal) -> None:
-    from gonio.cli._console import console, duration
+    from gonio.cli._console import console
+    from gonio.words import duration
 
     console.print(
         f"round {state.number}: {state.shots} shots, mean sd {state.deviation:.3f} "
@@ -179,7 +176,8 @@ def _tell(state: Round, goal: Goal) -> None:
 
 
 def _conclude(session: Session, last: Round) -> None:
-    from gonio.cli._console import console, duration
+    from gonio.cli._console import console
+    from gonio.words import duration
 
     console.print(
         f"{session.root}: {last.ended}: mean sd {last.deviation:.3f} after {last.shots} shots in "

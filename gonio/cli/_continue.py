@@ -17,7 +17,7 @@ SHOTS = 16
 
 _OF_USE = frozenset(
     {"continued", "shots", "criterion", "weight", "candidates", "view_candidates",
-     "light_candidates", "prior_path"}
+     "light_candidates", "prior_path", "timing_path", "bracket"}
 )  # fmt: skip
 
 
@@ -48,9 +48,23 @@ def refuse_others(criterion: str) -> None:
 
 
 def go_on(
-    root: Path, shots: int | None, prior_path: Path | None, **choice: Any
+    root: Path,
+    shots: int | None,
+    prior_path: Path | None,
+    timing_path: Path | None,
+    bracket: str | None,
+    **choice: Any,
 ) -> tuple[Path, Plan]:
     """Add a plan to a session's chain, and return its file and itself.
+
+    Parameters
+    ----------
+    root
+        The session's folder.
+    shots, prior_path, timing_path, bracket
+        As the options say.
+    choice
+        More of `planner.make.make_plan`.
 
     Raises
     ------
@@ -62,23 +76,25 @@ def go_on(
     from gonio.adaptive import Watch
     from gonio.cli._prior import material_prior
     from gonio.cli._samples import reduced
+    from gonio.cli._timing import timing_for
     from gonio.session import Session
 
     session = Session.open(root)
     session.check_writable("copy it to a folder that can be written, and go on there")
+    timing = timing_for(session.rig(), session.rig_path, timing_path)
+    choice |= {"timing": timing, "bracket": bracket or ("predicted" if timing else "all")}
     prior = material_prior(prior_path)
     with session.lock():
         session.chain()  # one that does not hold is told before the work
         standing = Watch(session, prior).take_stock(reduced(session))
         plan = standing.next_plan(SHOTS if shots is None else shots, **choice)
-        path = session.add_plan(plan)
-    return path, plan
+        return session.add_plan(plan), plan
 
 
 def tell(plan: Plan, path: Path) -> None:
     """Say what a plan that was added, as the file `path`, is expected to bring."""
-    from gonio.cli._console import duration
     from gonio.session import Session
+    from gonio.words import duration
 
     resume = Session(path.parents[1]).resume_command
     selection = plan.selection

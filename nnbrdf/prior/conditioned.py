@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 DOUBT = 0.1
 """What each kind of material counts at least, whatever the samples say: the model may be wrong."""
 _JITTER = 1e-9
-_LEAST = 1e-4
 
 
 class Belief(NamedTuple):
@@ -124,17 +123,13 @@ class ConditionedPrior:
         return float((self.now.deviation * shrunk[:, None]).mean())
 
     def expected(self, light: Array, view: Array) -> tuple[Array, Array]:
-        """Return mean and standard deviation of ln f, f in 1/sr, shape (n,) each.
+        """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`).
 
-        Of all channels together; light and view are unit vectors of shape (n, 3).
+        Of a material of several colors they are over its channels, too.
         """
         told = self.inference.predict(light, view)
-        least = _LEAST * told.scale
-        low, middle, high = (
-            np.log((told.scale * (np.exp(told.mean + z * told.deviation) - 0.01)).clip(least))
-            for z in (-1, 0, 1)
-        )
-        return middle.mean(axis=1), (0.5 * (high - low)).mean(axis=1)
+        variance = (told.deviation**2).mean(axis=1) + told.mean.var(axis=1)
+        return told.mean.mean(axis=1) + np.log(told.scale), np.sqrt(variance)
 
     def kinds(self, light: Array, view: Array, rank: int) -> list[PriorKind]:
         """Return the covariance that each belief has left (see `gonio.protocols.Prior`).

@@ -74,7 +74,7 @@ class MaterialPrior:
         """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
         shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
-        told = [family.expected(pairs, _EXPECTED) for family in self.families]
+        told = [family.expected(pairs, EXPECTED) for family in self.families]
         mean, variance = (np.array(each) for each in zip(*told, strict=True))
         middle = shares @ mean
         return middle, np.sqrt(shares @ (variance + (mean - middle) ** 2))
