@@ -88,6 +88,14 @@ BRACKETS = ("all", "predicted")
     metavar="N",
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
+@click.option(
+    "--continue",
+    "continued",
+    type=click.Path(path_type=Path),
+    metavar="SESSION",
+    help="Choose the next shots of SESSION by what was measured of its material, and add them to "
+    "its plans; --shots says how many.  [default: 16]",
+)
 @scene_options
 @click.option(
     "--prior",
@@ -151,6 +159,7 @@ def command(
     max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
+    continued: Path | None,
     scene: Path | None,
     material: str | None,
     isotropic: bool,
@@ -178,9 +187,11 @@ def command(
         gonio plan --bracket predicted           only the exposures that a shot may need
         gonio plan --scene wall.toml             only what the scene asks for
         gonio plan --pareto                      how many shots are worth their time
+        gonio plan --continue session/ --shots 20
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from functools import partial
 
+    from gonio.cli._continue import go_on, refuse_others, tell
     from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
     from gonio.cli._timing import timing_for
@@ -194,6 +205,23 @@ def command(
     from planner.make import field_within, make_plan
     from planner.reach import reach_of
 
+    if continued is not None:
+        refuse_others(criterion)
+        _refuse_idle(criterion, weight, seed, prior_path)
+        path, plan = go_on(
+            continued,
+            shots,
+            prior_path,
+            timing_path,
+            bracket,
+            criterion=criterion,
+            demand=cosine_demand if weight == "cosine" else None,
+            view_candidates=candidates_named(view_candidates or candidates),
+            light_candidates=candidates_named(light_candidates or candidates),
+        )
+        _print_table(plan)
+        tell(plan, path)
+        return
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
     if shots is not None and (views or lights or given):

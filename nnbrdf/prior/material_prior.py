@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 SCHEMA = "gonio.prior/1"
 EXAMPLES = 2000
 ISOTROPIC_SHARE = 0.8
-_EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
-_SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
+EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
+SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
 """Generated examples that choose pairs: 2000 would leave one per cent less, in thrice the time."""
 _MANY, _LANDMARKS, _AT_ONCE = 20_000, 3000, 10_000
 _REMEDY = "make it with: gonio prior build"
@@ -74,7 +74,7 @@ class MaterialPrior:
         """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
         shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
-        told = [family.expected(pairs, _EXPECTED) for family in self.families]
+        told = [family.expected(pairs, EXPECTED) for family in self.families]
         mean, variance = (np.array(each) for each in zip(*told, strict=True))
         middle = shares @ mean
         return middle, np.sqrt(shares @ (variance + (mean - middle) ** 2))
@@ -188,16 +188,16 @@ def _factor(
     """
     distinct, which = family.distinct(pairs)
     many = len(distinct) > _MANY
-    family = _thinned(family, _FEW_EXAMPLES if many else _SOME_EXAMPLES)
+    family = thinned(family, _FEW_EXAMPLES if many else SOME_EXAMPLES)
     drawn = np.arange(len(distinct))
     if many:
         drawn = np.sort(np.random.default_rng(0).choice(drawn, _LANDMARKS, replace=False))
     landmarks = family.traits(distinct.part(drawn))
-    variance = family.variances(landmarks).total(_EXPECTED)
+    variance = family.variances(landmarks).total(EXPECTED)
 
     def column(index: int) -> Array:
         one = landmarks.part(np.array([index]))
-        return family.covariance(landmarks, one, _EXPECTED)[:, 0]
+        return family.covariance(landmarks, one, EXPECTED)[:, 0]
 
     pivots, factor = pivots_and_factor(variance, column, rank)
     if not many:
@@ -209,7 +209,7 @@ def _rest(variance: Array, factor: NDArray[Any]) -> Array:
     return np.asarray((variance - np.einsum("ij,ij->i", factor, factor)).clip(0.0))
 
 
-def _thinned(family: Family, examples: int) -> Family:
+def thinned(family: Family, examples: int) -> Family:
     """Return the family with no more than so many of its generated examples, evenly taken."""
     rows = np.arange(0, len(family.examples), max(1, len(family.examples) // examples))
     return replace(family, examples=family.examples.select(rows))
@@ -227,7 +227,7 @@ def _spread(
     for start in range(0, len(distinct), _AT_ONCE):
         rows = slice(start, start + _AT_ONCE)
         traits = family.traits(distinct.part(rows))
-        covariance = family.covariance(pivots, traits, _EXPECTED)
+        covariance = family.covariance(pivots, traits, EXPECTED)
         result[rows] = solve_triangular(lower, covariance, lower=True).T
-        rest[rows] = _rest(family.variances(traits).total(_EXPECTED), result[rows])
+        rest[rows] = _rest(family.variances(traits).total(EXPECTED), result[rows])
     return result, which, rest

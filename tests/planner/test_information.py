@@ -10,7 +10,7 @@ from gonio.errors import BadInputError
 from gonio.protocols import PriorKind
 from gonio.rig import default_rig
 from nnbrdf.prior import MaterialPrior, Pairs
-from nnbrdf.prior.material_prior import _EXPECTED
+from nnbrdf.prior.material_prior import EXPECTED
 from planner.bound import least_left
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named
@@ -150,7 +150,7 @@ def test_what_the_factor_leaves_out_is_no_knowledge(prior):
     family = prior.families[0]
     distinct, which = family.distinct(Pairs.of(*whole().pairs))
     traits = family.traits(distinct)
-    covariance = family.covariance(traits, traits, _EXPECTED)
+    covariance = family.covariance(traits, traits, EXPECTED)
     exact = variance_left(
         PriorKind("", 1.0, np.linalg.cholesky(covariance + 1e-9 * np.eye(len(distinct))), which),
         chosen,
