@@ -11,7 +11,7 @@ from click.core import ParameterSource
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Plan
+    from gonio.plan import Plan, Side
 
 
 @click.command(name="plan")
@@ -169,10 +169,9 @@ def _draw(plan: Plan, path: Path) -> None:
 
     candidates = paper_directions()
     chosen = {}
-    for name in ("view", "light"):
-        angles = sorted(
-            {(s.axis_deg(f"{name}_theta"), s.axis_deg(f"{name}_phi")) for s in plan.shots}
-        )
+    sides: tuple[Side, ...] = ("view", "light")
+    for name in sides:
+        angles = sorted({shot.direction_deg(name) for shot in plan.shots})
         theta_deg, phi_deg = zip(*angles, strict=True)
         chosen[f"{name}s: {len(angles)} of {len(candidates)}"] = from_degrees(theta_deg, phi_deg)
     save_hemispheres(path, chosen, candidates)

@@ -1,0 +1,35 @@
+// The nearest shots of each shot, over all the places that their directions can be taken from.
+
+#pragma once
+
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+#include "metric.hpp"
+
+struct Near {
+    int node;
+    Time time;
+};
+
+// Up to `width` nearest of each node, nearest first; of equally near ones those that ask least of
+// both arms, then those of the lowest number.
+inline std::vector<std::vector<Near>> nearest_nodes(const Metric& metric,
+                                                    const std::vector<Pose>& nodes, int width) {
+    const int count = int(nodes.size());
+    using Rank = std::tuple<Time, Time, int>;
+    std::vector<Rank> ranks(count);
+    std::vector<std::vector<Near>> all(count);
+    const int wanted = std::min(width, count - 1);
+    for (int a = 0; a < count; ++a) {
+        for (int b = 0; b < count; ++b)
+            ranks[b] = {metric.between(nodes[a], nodes[b]), metric.effort(nodes[a], nodes[b]), b};
+        std::swap(ranks[a], ranks.back());
+        std::nth_element(ranks.begin(), ranks.begin() + wanted, ranks.end() - 1);
+        std::sort(ranks.begin(), ranks.begin() + wanted);
+        for (int i = 0; i < wanted; ++i)
+            all[a].push_back({std::get<2>(ranks[i]), std::get<0>(ranks[i])});
+    }
+    return all;
+}
