@@ -102,8 +102,8 @@ class RouteTime(Document):
 
     @property
     def gap(self) -> float:
-        """By how much the route is above the bound, as a share of the bound; 0 where both are 0."""
-        return self.moving_s / self.bound_s - 1.0 if self.bound_s else 0.0
+        """By how much the route is above the bound at most, as a share of the route."""
+        return 1.0 - self.bound_s / self.moving_s if self.moving_s else 0.0
 
 
 class LeftOut(Document):

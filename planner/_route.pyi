@@ -21,7 +21,7 @@ def search(
     directions: _Table,
     poses: _Table,
     order: _Table,
-    kicks: int,
+    work: int,
     seed: int,
 ) -> tuple[_Table, _Table]: ...
 def bound(near: Metric, directions: _Table, order: _Table) -> int: ...

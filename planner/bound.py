@@ -20,6 +20,9 @@ _ASSIGNED = 1500
 def bound_s(metric: TimeMetric, order: NDArray[np.int64]) -> float:
     """Return the best lower bound known of the seconds of any route.
 
+    Where moves have no direction, trees with prices are nearest to the truth; assignments where
+    they have.
+
     Parameters
     ----------
     metric
@@ -27,12 +30,28 @@ def bound_s(metric: TimeMetric, order: NDArray[np.int64]) -> float:
     order
         A good route, shape (n,).
     """
-    bounds = [0.0]
-    if len(order) > 1 and is_available():
+    if len(order) < 2:
+        return 0.0
+    bounds = [nearest_bound_s(metric)]
+    if is_available():
         bounds.append(tree_bound_s(metric.either_way, order))
-    if len(order) > 1 and len(order) <= _ASSIGNED and not metric.is_symmetric:
+    if len(order) <= _ASSIGNED and not (is_available() and metric.is_symmetric):
         bounds.append(assignment_bound_s(metric))
     return max(bounds)
+
+
+def nearest_bound_s(metric: TimeMetric) -> float:
+    """Return half the seconds of each shot's least move to another and least move from another.
+
+    The last shot is not left and the first not entered: the longest of either is not counted.
+    """
+    out_s, in_s = np.empty((2, len(metric)))
+    everything = np.arange(len(metric))
+    for shot in everything:
+        others = np.delete(everything, shot)
+        out_s[shot] = metric.between(shot, others).min()
+        in_s[shot] = metric.between(others, shot).min()
+    return float((out_s.sum() - out_s.max() + in_s.sum() - in_s.max()) / 2.0)
 
 
 def assignment_bound_s(metric: TimeMetric) -> float:
@@ -42,6 +61,5 @@ def assignment_bound_s(metric: TimeMetric) -> float:
     everything = np.arange(len(metric))
     # one more shot, nowhere, closes the route; no shot follows itself
     cost_s = np.pad(metric.between(everything[:, None], everything[None]), (0, 1))
-    np.fill_diagonal(cost_s, cost_s.sum() + 1.0)
-    rows, columns = linear_sum_assignment(cost_s)
-    return float(cost_s[rows, columns].sum())
+    np.fill_diagonal(cost_s, 2.0 * cost_s.max() + 1.0)
+    return float(cost_s[linear_sum_assignment(cost_s)].sum())

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, LeftOut, Plan, Selection, Shot
-from gonio.rig import AXES
+from gonio.plan import LampSetting, LeftOut, Plan, RouteTime, Selection, Shot
 from gonio.timemodel import estimate
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named, reciprocal_pairs
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from gonio.rig import Rig
     from planner.candidates import Candidates
     from planner.density import Density
+    from planner.route import Route
 
 FULL_CURRENT_MA = 700.0
 
@@ -78,7 +78,7 @@ def make_plan(
             f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
             f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
         )
-    ordered, method = _in_order(candidates, measured, rig)
+    ordered, route = _in_order(candidates, measured, rig)
     selection = Selection(
         criterion=criterion,
         candidates=candidates.name,
@@ -87,13 +87,14 @@ def make_plan(
         full_set=measured.size,
         reciprocal_pairs=reciprocal_pairs(measured),
         variance_left=choice.variance_left,
-        route=method,
+        route=route.method,
     )
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
         left_out=_left_out(reach, choice.measured, measured, rig),
         estimates=estimate(ordered, rig),
+        route=RouteTime(moving_s=route.moving_s, bound_s=route.bound_s),
         shots=ordered,
     )
 
@@ -122,25 +123,33 @@ def _checked_shots(shots: int, most: int) -> int:
 
 def _in_order(
     candidates: Candidates, measured: NDArray[np.bool_], rig: Rig
-) -> tuple[tuple[Shot, ...], str]:
-    """Return the shots of `measured`, indexed [light, view], in route order, and its method."""
+) -> tuple[tuple[Shot, ...], Route]:
+    """Return the shots of `measured`, indexed [light, view], in route order, and their route."""
     light, view = np.nonzero(measured)
     theta_deg, phi_deg = candidates.theta_deg, candidates.phi_deg
-    angles_deg = np.stack(
-        [theta_deg[view], phi_deg[view], theta_deg[light], phi_deg[light]], axis=1
+    route = plan_route(
+        np.stack([theta_deg[view], phi_deg[view], theta_deg[light], phi_deg[light]], axis=1), rig
     )
-    route = plan_route(angles_deg, rig)
     lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)
+    columns = {
+        "view_theta_deg": theta_deg[view][route.order],
+        "light_theta_deg": theta_deg[light][route.order],
+        "view_phi_deg": route.phi_deg[:, 0],
+        "light_phi_deg": route.phi_deg[:, 1],
+        "view_turn": route.turns[:, 0],
+        "light_turn": route.turns[:, 1],
+    }
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     shots = (
         Shot(
             index=index,
             exposures_s=rig.camera.exposures_s,
             lamps=lamps,
-            **{f"{name}_deg": angle for name, angle in zip(AXES, angles, strict=True)},
+            **dict(zip(columns, row, strict=True)),
         )
-        for index, angles in enumerate(angles_deg[route.order].tolist())
+        for index, row in enumerate(rows)
     )
-    return tuple(shots), route.method
+    return tuple(shots), route
 
 
 def _left_out(

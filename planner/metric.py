@@ -14,12 +14,12 @@ import numpy as np
 
 from gonio.approach import first_stop_deg
 from gonio.timemodel import move_time
-from planner.places import Places
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.rig import Rig
+    from planner.places import Places
 
     Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
@@ -94,21 +94,22 @@ class TimeMetric:
     @classmethod
     def of(cls, angles_deg: Array, rig: Rig) -> TimeMetric:
         """Make the tables of shots whose axes stand at `angles_deg`, shape (n, 4), as in AXES."""
-        arms, poses = [], []
-        for i, arm in enumerate(("view", "light")):
-            places, at = np.unique(angles_deg[:, 2 * i : 2 * i + 2], axis=0, return_inverse=True)
-            arms.append(ArmTimes.of(places, rig, arm))
-            poses.append(at.reshape(-1))
-        return cls(*arms, np.stack(poses, axis=1))
+        views, view = np.unique(angles_deg[:, :2], axis=0, return_inverse=True)
+        lights, light = np.unique(angles_deg[:, 2:], axis=0, return_inverse=True)
+        return cls(
+            ArmTimes.of(views, rig, "view"),
+            ArmTimes.of(lights, rig, "light"),
+            np.stack([view.reshape(-1), light.reshape(-1)], axis=1),
+        )
 
     @classmethod
     def between_places(cls, view: Places, light: Places, rig: Rig) -> TimeMetric:
         """Make the tables of all places; the shots are at their plain ones."""
-        arms = (
-            ArmTimes.of(places.angles_deg, rig, arm)
-            for places, arm in ((view, "view"), (light, "light"))
+        return cls(
+            ArmTimes.of(view.angles_deg, rig, "view"),
+            ArmTimes.of(light.angles_deg, rig, "light"),
+            np.stack([view.plain, light.plain], axis=1),
         )
-        return cls(*arms, np.stack([view.plain, light.plain], axis=1))
 
     @classmethod
     def of_one_arm(cls, times: ArmTimes) -> TimeMetric:

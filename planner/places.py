@@ -45,7 +45,8 @@ class Places:
         """
         directions, direction = np.unique(angles_deg, axis=0, return_inverse=True)
         azimuths = _thinned(np.unique(directions[:, 1]))
-        rows, first = [], []
+        rows: list[tuple[float, float, int]] = []
+        first = []
         for theta, phi in directions.tolist():
             first.append(len(rows))
             others = azimuths if theta == 0.0 else ()

@@ -15,7 +15,7 @@ from planner.search import improve, is_available
 from planner.turns import with_best_places
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     Arms = tuple[Places, Places]
     Ways = Callable[[Array, Array], Array]
 
-_KICKS = 300
-_MOST_KICKS = 1_500_000
-"""Kicks of a search for each shot, and for all: counts, so that a route repeats to the bit."""
+_WORK = 300_000
+_MOST_WORK = 600_000_000
+"""Looks at the metric for each shot, and for all: counts, so that a route repeats to the bit."""
 
 _ROUNDS = 20
 """How often true times of moves are asked for, and the route searched again."""
@@ -66,9 +66,7 @@ class Route:
     method: str
 
 
-def plan_route(
-    angles_deg: Array, rig: Rig, way_s: Ways | None = None, seed: int = 0
-) -> Route:
+def plan_route(angles_deg: Array, rig: Rig, way_s: Ways | None = None, seed: int = 0) -> Route:
     """Order shots for the least time of moving.
 
     Three routes are built, each is improved by local search, and the quickest is searched on.
@@ -91,38 +89,36 @@ def plan_route(
     arms = (view, light)
     metric = TimeMetric.between_places(view, light, rig)
     metric, order, method = _started(metric, arms)
-    kicks = min(_KICKS * len(order), _MOST_KICKS)
-    metric, order = _searched(metric, order, arms, kicks, seed)
+    metric, order = _searched(metric, order, arms, _work(order), seed)
     if way_s is not None:
         metric, order = _around(metric, order, arms, way_s, seed)
+    places = list(zip(arms, metric.poses[order].T, strict=True))
+    moving_s = metric.total(order)
     return Route(
         order=order,
-        phi_deg=np.stack([places.phi_deg[at] for places, at in _stands(metric, order, arms)], 1),
-        turns=np.stack([places.turn[at] for places, at in _stands(metric, order, arms)], 1),
-        moving_s=metric.total(order),
-        bound_s=bound_s(metric.least(*arms), order),
+        phi_deg=np.stack([arm.phi_deg[at] for arm, at in places], axis=1),
+        turns=np.stack([arm.turn[at] for arm, at in places], axis=1),
+        moving_s=moving_s,
+        # a bound that is met may be above by round-off
+        bound_s=min(moving_s, bound_s(metric.least(*arms), order)),
         method=f"{method}, local search" if is_available() else f"{method}, 2-opt in NumPy",
     )
-
-
-def _stands(metric: TimeMetric, order: Indices, arms: Arms) -> Iterator[tuple[Places, Indices]]:
-    return zip(arms, metric.poses[order].T, strict=True)
 
 
 def _started(metric: TimeMetric, arms: Arms) -> tuple[TimeMetric, Indices, str]:
     """Return the quickest of some first routes, each improved, and its name."""
     found = [
-        (*improve(metric, arms, order, kicks=0, seed=0), name)
+        (*improve(metric, arms, order, work=0, seed=0), name)
         for name, order in first_routes(metric).items()
     ]
     return min(found, key=lambda each: each[0].total(each[1]))
 
 
 def _searched(
-    metric: TimeMetric, order: Indices, arms: Arms, kicks: int, seed: int
+    metric: TimeMetric, order: Indices, arms: Arms, work: int, seed: int
 ) -> tuple[TimeMetric, Indices]:
     metric = with_best_places(metric, order, arms)
-    metric, order = improve(metric, arms, order, kicks, seed)
+    metric, order = improve(metric, arms, order, work, seed)
     return with_best_places(metric, order, arms), order
 
 
@@ -135,22 +131,27 @@ def _around(
     for _ in range(_ROUNDS):
         keys = metric.key(metric.poses[order[:-1]], metric.poses[order[1:]])
         new = np.flatnonzero(~np.isin(keys, asked))
-        if not len(new) and len(asked):
-            break
         asked = np.append(asked, keys[new])
         metric = _told(metric, order, new, arms, way_s)
         best = replace(best, slow_keys=metric.slow_keys, slow_s=metric.slow_s)
         if metric.total(order) < best.total(best_order):
             best, best_order = metric, order
-        kicks = min(_KICKS * len(order), _MOST_KICKS) // _ROUNDS
-        metric, order = _searched(best, best_order, arms, kicks, seed)
+        if not len(new):
+            break
+        metric, order = _searched(best, best_order, arms, _work(order) // _ROUNDS, seed)
     return best, best_order
+
+
+def _work(order: Indices) -> int:
+    return min(_WORK * len(order), _MOST_WORK)
 
 
 def _told(
     metric: TimeMetric, order: Indices, steps: Indices, arms: Arms, way_s: Ways
 ) -> TimeMetric:
     """Return the metric with the true times of some steps of a route."""
+    if not len(steps):
+        return metric
     starts, goals = metric.poses[order[steps]], metric.poses[order[steps + 1]]
     angles = (
         np.hstack([places.angles_deg[at] for places, at in zip(arms, ends.T, strict=True)])

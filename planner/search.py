@@ -34,7 +34,7 @@ def is_available() -> bool:
 
 
 def improve(
-    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, kicks: int, seed: int
+    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, work: int, seed: int
 ) -> tuple[TimeMetric, Indices]:
     """Shorten a route, with the places that its shots are at.
 
@@ -51,8 +51,8 @@ def improve(
         The places of view and light.
     order
         The route, shot numbers of shape (n,).
-    kicks
-        How many disturbances.
+    work
+        How often the metric may be looked at, about: a count, so that a route repeats to the bit.
     seed
         Of the disturbances.
 
@@ -61,29 +61,29 @@ def improve(
     TimeMetric, ndarray
         With the shots at their new places, and the new route; never longer than before.
     """
-    found, route = (_compiled if is_available() else _in_numpy)(metric, arms, order, kicks, seed)
+    found, route = (_compiled if is_available() else _in_numpy)(metric, arms, order, work, seed)
     # whole nanoseconds may call shorter what is longer by round-off
     return (found, route) if found.total(route) < metric.total(order) else (metric, order)
 
 
 def _compiled(
-    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, kicks: int, seed: int
+    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, work: int, seed: int
 ) -> tuple[TimeMetric, Indices]:
     unit_s = _unit_s(metric)
-    near = metric.least(*arms).either_way
+    near = metric.least(*arms)
     tables = _tables(metric, unit_s)
     if len(metric.slow_keys):
         slow = np.minimum(metric.slow_s, _BLOCKED * _longest_s(metric)) / unit_s
         tables.override(*metric.slow_moves, slow.astype(np.int64))
-    choices = [[each.tolist() for each in places.choices] for places in arms]
+    views, lights = ([each.tolist() for each in places.choices] for places in arms)
     route, poses = _route.search(
-        tables, _tables(near, unit_s), *choices, near.poses, metric.poses, order, kicks, seed
+        tables, _tables(near, unit_s), views, lights, near.poses, metric.poses, order, work, seed
     )
     return replace(metric, poses=poses), route
 
 
 def _in_numpy(
-    metric: TimeMetric, _arms: tuple[Places, Places], order: Indices, _kicks: int, _seed: int
+    metric: TimeMetric, _arms: tuple[Places, Places], order: Indices, _work: int, _seed: int
 ) -> tuple[TimeMetric, Indices]:
     route = two_opt(metric.either_way, order)
     return metric, min(route, route[::-1], key=metric.total)
@@ -108,7 +108,7 @@ def _longest_s(metric: TimeMetric) -> float:
 
 
 def _unit_s(metric: TimeMetric) -> float:
-    """Return the unit of the kernel's whole numbers: coarser where the longest sums would not fit."""
+    """Return what a one of the kernel's whole numbers is: more where the longest sums ask for it."""
     return max(_UNIT_S, _longest_s(metric) * _BLOCKED * (len(metric) + 1) / _LARGEST)
 
 

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 _SWEEPS = 4
 
 
-def with_best_places(
-    metric: TimeMetric, order: Indices, arms: tuple[Places, Places]
-) -> TimeMetric:
+def with_best_places(metric: TimeMetric, order: Indices, arms: tuple[Places, Places]) -> TimeMetric:
     """Return the metric with each shot at the places, view and light, that suit a route best.
 
     For one arm at a time, the other as it is, by dynamic programming along the route (Bellman
@@ -51,9 +49,7 @@ def with_best_places(
     return metric
 
 
-def _along(
-    metric: TimeMetric, route: Indices, arm: int, choices: Sequence[Indices]
-) -> Indices:
+def _along(metric: TimeMetric, route: Indices, arm: int, choices: Sequence[Indices]) -> Indices:
     """Return the best place of one arm at each pose of a route, shape (n,)."""
     step_s = metric.times(route[:-1], route[1:])
     there = _stand(route[0], arm, choices[0])

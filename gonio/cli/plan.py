@@ -161,6 +161,8 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
+    if plan.route is not None:
+        yield "", f"{plan.route.moving_s:.1f} s of moves; {plan.route.bound_s:.1f} s at the least"
 
 
 def _draw(plan: Plan, path: Path) -> None:

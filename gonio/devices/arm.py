@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
+from gonio.approach import first_stop_deg
 from gonio.devices.axis import AxisDrive
 from gonio.devices.registers import DriveRegisters
 from gonio.devices.waiting import wait_until
@@ -131,12 +132,9 @@ class Arm:
         detours = {}
         for name, angle in angles_deg.items():
             axis = self._axes[name]
-            run_up = axis.spec.approach_deg
-            way = angle - axis.degrees()
-            # a long enough way from the right side needs no detour, nor does an axis that stays
-            if run_up and abs(way) > axis.spec.in_position_deg and way / run_up < 1.0:
-                start = min(max(angle - run_up, axis.spec.min_deg), axis.spec.max_deg)
-                detours[name] = start
+            stop = float(first_stop_deg(axis.degrees(), angle, axis.spec))
+            if stop != angle:
+                detours[name] = stop
         return detours
 
     def _go(self, angles_deg: Mapping[str, float]) -> None:

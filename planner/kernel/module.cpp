@@ -92,7 +92,7 @@ void check_places(const Places& places, int directions, int count) {
 
 py::tuple search(const PlacedMetric& metric, const PlacedMetric& near, Places view_places,
                  Places light_places, const Numbers& directions, const Numbers& poses,
-                 const Numbers& order, std::int64_t kicks, std::uint64_t seed) {
+                 const Numbers& order, std::int64_t work, std::uint64_t seed) {
     check_places(view_places, near.places.view, metric.places.view);
     check_places(light_places, near.places.light, metric.places.light);
     Shots shots{near.poses(directions), std::move(view_places), std::move(light_places)};
@@ -109,7 +109,7 @@ py::tuple search(const PlacedMetric& metric, const PlacedMetric& near, Places vi
         Search local(metric.metric, near.metric, std::move(shots), std::move(stands),
                      std::move(route), seed);
         local.settle();
-        local.kick(kicks);
+        local.kick(work);
         route = local.order();
         stands = local.poses();
     }
@@ -142,6 +142,6 @@ PYBIND11_MODULE(_route, module) {
              py::arg("times"));
     module.def("search", &search, py::arg("metric"), py::arg("near"), py::arg("view_places"),
                py::arg("light_places"), py::arg("directions"), py::arg("poses"), py::arg("order"),
-               py::arg("kicks"), py::arg("seed"));
+               py::arg("work"), py::arg("seed"));
     module.def("bound", &bound, py::arg("near"), py::arg("directions"), py::arg("order"));
 }

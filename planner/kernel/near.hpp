@@ -13,18 +13,22 @@ struct Near {
     Time time;
 };
 
-// Up to `width` nearest of each node, nearest first; of equally near ones those that ask least of
-// both arms, then those of the lowest number.
-inline std::vector<std::vector<Near>> nearest_nodes(const Metric& metric,
-                                                    const std::vector<Pose>& nodes, int width) {
+using NearLists = std::vector<std::vector<Near>>;
+
+// Up to `width` nodes that are reached soonest from each node, or from which it is, nearest first;
+// of equally near ones those that ask least of both arms, then those of the lowest number.
+inline NearLists nearest_nodes(const Metric& metric, const std::vector<Pose>& nodes, int width,
+                               bool from_it = true) {
     const int count = int(nodes.size());
     using Rank = std::tuple<Time, Time, int>;
     std::vector<Rank> ranks(count);
-    std::vector<std::vector<Near>> all(count);
+    NearLists all(count);
     const int wanted = std::min(width, count - 1);
     for (int a = 0; a < count; ++a) {
-        for (int b = 0; b < count; ++b)
-            ranks[b] = {metric.between(nodes[a], nodes[b]), metric.effort(nodes[a], nodes[b]), b};
+        for (int b = 0; b < count; ++b) {
+            const Pose start = nodes[from_it ? a : b], goal = nodes[from_it ? b : a];
+            ranks[b] = {metric.between(start, goal), metric.effort(start, goal), b};
+        }
         std::swap(ranks[a], ranks.back());
         std::nth_element(ranks.begin(), ranks.begin() + wanted, ranks.end() - 1);
         std::sort(ranks.begin(), ranks.begin() + wanted);

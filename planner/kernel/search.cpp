@@ -1,11 +1,26 @@
 #include "search.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace {
 
 constexpr int kWidth = 10;       // neighbours that are tried
+constexpr int kNarrow = 5;       // of these where two are tried together
 constexpr int kSmallPart = 3;    // longest part that is moved
-constexpr int kTurnedPart = 50;  // longest part that is turned where times have a direction
-constexpr int kKick = 50;        // longest part that a kick displaces
+constexpr int kTurnedPart = 25;  // longest part that is turned where times have a direction
+constexpr int kKick = 10;        // longest part that a kick displaces
+constexpr double kHeat = 0.03;   // what is accepted at first, in moves of mean time
+
+struct Narrow {
+    const Near *first, *last;
+    const Near* begin() const { return first; }
+    const Near* end() const { return last; }
+};
+
+Narrow narrow(const std::vector<Near>& list) {
+    return {list.data(), list.data() + std::min<std::size_t>(list.size(), kNarrow + 1)};
+}
 
 std::vector<int> with_nowhere(std::vector<int> order) {
     order.push_back(int(order.size()));
@@ -23,12 +38,18 @@ Search::Search(const Metric& metric, const Metric& near, Shots shots, std::vecto
       tour_(with_nowhere(std::move(order)), symmetric_),
       random_(seed),
       is_waiting_(poses_.size(), 0) {
-    const int nowhere = tour_.size() - 1;
-    std::vector<Pose> real(shots_.directions.begin(), shots_.directions.end() - 1);
-    near_ = nearest_nodes(near, real, kWidth);
-    for (auto& list : near_) list.insert(list.begin(), {nowhere, 0});
-    near_.emplace_back();
-    for (int i = 0; i <= nowhere; ++i) look_at({tour_.at(i)});
+    after_ = near_lists(near, true);
+    before_ = symmetric_ ? after_ : near_lists(near, false);
+    for (int i = 0; i < tour_.size(); ++i) look_at({tour_.at(i)});
+}
+
+// The nearest nodes that may follow each, or come before it; nowhere, nearest to all, is first.
+NearLists Search::near_lists(const Metric& near, bool after) const {
+    const std::vector<Pose> real(shots_.directions.begin(), shots_.directions.end() - 1);
+    NearLists lists = nearest_nodes(near, real, kWidth, after);
+    for (auto& list : lists) list.insert(list.begin(), {tour_.size() - 1, 0});
+    lists.emplace_back();
+    return lists;
 }
 
 void Search::settle() {
@@ -42,15 +63,19 @@ void Search::settle() {
     next_ = 0;
 }
 
-void Search::kick(std::int64_t kicks) {
+void Search::kick(std::int64_t work) {
     if (tour_.size() < 5) return;
-    for (; kicks > 0; --kicks) {
+    Time all = 0;
+    for (int i = 0; i < tour_.size(); ++i) all += time(tour_.at(i), tour_.after(tour_.at(i)));
+    const double heat = kHeat * double(all) / tour_.size();
+    while (looked_ < work) {
         tour_.forget();
         replaced_.clear();
         saved_ = 0;
         shake();
         settle();
-        if (saved_ >= 0) continue;
+        const double warmth = heat * std::max(0.0, 1.0 - double(looked_) / double(work));
+        if (saved_ >= 0 || double(-saved_) < -warmth * std::log(random_.unit())) continue;
         tour_.undo();
         for (; !replaced_.empty(); replaced_.pop_back())
             poses_[replaced_.back().first] = replaced_.back().second;
@@ -60,7 +85,7 @@ void Search::kick(std::int64_t kicks) {
 std::vector<int> Search::order() const {
     std::vector<int> order;
     const int nowhere = tour_.size() - 1;
-    for (int i = 1; i <= nowhere; ++i) order.push_back(tour_.at((tour_.place(nowhere) + i) % tour_.size()));
+    for (int a = tour_.after(nowhere); a != nowhere; a = tour_.after(a)) order.push_back(a);
     return order;
 }
 
@@ -89,6 +114,7 @@ bool Search::take_place(int node, int Pose::*arm, const std::vector<int>& places
     const Pose before = poses_[tour_.before(node)], after = poses_[tour_.after(node)];
     const Pose old = poses_[node];
     const auto both = [&](Pose pose) {
+        looked_ += 2;
         return metric_.between(before, pose) + metric_.between(pose, after);
     };
     const Time now = both(old);
@@ -112,11 +138,16 @@ bool Search::take_place(int node, int Pose::*arm, const std::vector<int>& places
 
 bool Search::turn_parts(int a) {
     const Time out = time(a, tour_.after(a)), in = time(tour_.before(a), a);
-    for (const Near& near : near_[a]) {
-        if (near.time >= out && near.time >= in) break;
-        const int c = near.node;
-        if (turn(tour_.after(a), c) || turn(a, tour_.before(c))) return true;
-        if (!symmetric_ && (turn(c, tour_.before(a)) || turn(tour_.after(c), a))) return true;
+    const Time most = std::max(out, in);
+    for (const Near& near : after_[a]) {
+        if (near.time >= most) break;
+        if (turn(tour_.after(a), near.node) || turn(a, tour_.before(near.node))) return true;
+    }
+    // without a direction, these are the same exchanges
+    if (symmetric_) return false;
+    for (const Near& near : before_[a]) {
+        if (near.time >= most) break;
+        if (turn(near.node, tour_.before(a)) || turn(tour_.after(near.node), a)) return true;
     }
     return false;
 }
@@ -158,12 +189,18 @@ bool Search::move_parts(int a) {
 bool Search::move(int a, int first, int last, int length) {
     const int before = tour_.before(first), after = tour_.after(last);
     const Time removed = time(before, first) + time(last, after) - time(before, after);
-    for (const Near& near : near_[a]) {
+    for (const Near& near : before_[a]) {
         if (near.time >= removed) break;
         const int c = near.node;
-        if (tour_.length(first, c) <= length) continue;
-        if (c != before && insert(first, last, length, c, a != first, removed)) return true;
-        if (c != after && insert(first, last, length, tour_.before(c), a != last, removed))
+        if (c != before && tour_.length(first, c) > length &&
+            insert(first, last, length, c, a != first, removed))
+            return true;
+    }
+    for (const Near& near : after_[a]) {
+        if (near.time >= removed) break;
+        const int c = near.node;
+        if (c != after && tour_.length(first, c) > length &&
+            insert(first, last, length, tour_.before(c), a != last, removed))
             return true;
     }
     return false;
@@ -196,19 +233,19 @@ bool Search::exchange_parts(int a) {
     };
     const int b = next(a);
     const Time first = link(a, b);
-    for (const Near& near : near_[a]) {
+    for (const Near& near : narrow((kForward ? after_ : before_)[a])) {
         if (near.time >= first) break;
         const int d = near.node;
         if (d == b) continue;
         const int c = previous(d);
         const Time open = first - link(a, d) + link(c, d);
         const int part = steps(b, d);
-        for (const Near& other : near_[b]) {
+        for (const Near& other : narrow((kForward ? before_ : after_)[b])) {
             if (other.time >= open) break;
             const int e = other.node;
             if (e != a && steps(b, e) >= part && exchange<kForward>(a, d, e, open)) return true;
         }
-        for (const Near& other : near_[c]) {
+        for (const Near& other : narrow((kForward ? after_ : before_)[c])) {
             if (other.time >= open) break;
             const int f = other.node;
             if (steps(b, f) > part && exchange<kForward>(a, d, previous(f), open)) return true;

@@ -1,7 +1,8 @@
-// Iterated local search for a short open route: parts are reversed (2-opt), small parts moved
-// (Or-opt), parts exchanged (3-opt without reversal), other places taken; then a random kick, kept
-// if what it leads to is no longer. Lourenco, Martin and Stuetzle 2003; neighbour lists and don't-look bits after
-// Bentley 1992.
+// Iterated local search for a short open route (Lourenco, Martin and Stuetzle 2003): parts are
+// reversed (2-opt), small parts moved (Or-opt), parts exchanged (3-opt without reversal), other
+// places taken; then a random kick, kept if what it leads to is no longer, or hardly, at first more
+// than at last (Martin, Otto and Felten 1991). Neighbour lists and a queue of the nodes to look at
+// after Bentley 1992.
 
 #pragma once
 
@@ -23,14 +24,17 @@ struct Shots {
 class Random {
    public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
-    int below(int bound) {
+    int below(int bound) { return int(next() % std::uint64_t(bound)); }
+    // Between 0 and 1, neither included.
+    double unit() { return (double(next() >> 12) + 0.5) / 4503599627370496.0; }
+
+   private:
+    std::uint64_t next() {
         std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
         z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
         z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-        return int((z ^ (z >> 31)) % std::uint64_t(bound));
+        return z ^ (z >> 31);
     }
-
-   private:
     std::uint64_t state_;
 };
 
@@ -43,14 +47,18 @@ class Search {
 
     // Exchange until nothing is left that saves time.
     void settle();
-    void kick(std::int64_t kicks);
+    // Disturb and settle, until the metric has been looked at `work` times.
+    void kick(std::int64_t work);
 
     // The route without nowhere, and the pose of every shot.
     std::vector<int> order() const;
     const std::vector<Pose>& poses() const { return poses_; }
 
    private:
-    Time time(int a, int b) const { return metric_.between(poses_[a], poses_[b]); }
+    Time time(int a, int b) const {
+        ++looked_;
+        return metric_.between(poses_[a], poses_[b]);
+    }
     bool improve(int node);
     bool take_place(int node);
     bool take_place(int node, int Pose::*arm, const std::vector<int>& places);
@@ -59,6 +67,7 @@ class Search {
     Time backwards(int first, int last) const;
     bool move_parts(int node);
     bool move(int node, int first, int last, int length);
+    NearLists near_lists(const Metric& near, bool after) const;
     bool insert(int first, int last, int length, int low, bool turned, Time removed);
     template <bool kForward>
     bool exchange_parts(int node);
@@ -70,7 +79,7 @@ class Search {
     const Metric& metric_;
     Shots shots_;
     std::vector<Pose> poses_;
-    std::vector<std::vector<Near>> near_;
+    NearLists after_, before_;
     bool symmetric_;
     Tour tour_;
     Random random_;
@@ -79,4 +88,5 @@ class Search {
     std::vector<char> is_waiting_;
     std::vector<std::pair<int, Pose>> replaced_;
     Time saved_ = 0;
+    mutable std::int64_t looked_ = 0;
 };
