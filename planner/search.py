@@ -108,7 +108,7 @@ def _longest_s(metric: TimeMetric) -> float:
 
 
 def _unit_s(metric: TimeMetric) -> float:
-    """Return what a one of the kernel's whole numbers is: more where the longest sums ask for it."""
+    """Return how long a one of the whole numbers is: more where long sums ask for it."""
     return max(_UNIT_S, _longest_s(metric) * _BLOCKED * (len(metric) + 1) / _LARGEST)
 
 
