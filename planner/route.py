@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     Ways = Callable[[Array, Array], Array]
 
 _WORK = 300_000
-_MOST_WORK = 600_000_000
+_MOST_WORK = 200_000_000
 """Looks at the metric for each shot, and for all: counts, so that a route repeats to the bit."""
 
 _ROUNDS = 20

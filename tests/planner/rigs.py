@@ -1,6 +1,6 @@
-"""Rigs that differ from the built-in one, and a slow, plain account of how long their moves take."""
+"""Rigs that differ from the built-in one, and a plain account of how long their moves take."""
 
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def rig_of(phi_travel=(0.0, 359.0), **fields):
     for name, axis in data["axis"].items():
         if name.endswith("phi"):
             axis["min_deg"], axis["max_deg"] = phi_travel
-        axis |= fields
+        axis.update(fields)
     return Rig.model_validate(data)
 
 
@@ -36,7 +36,7 @@ def move_s(start, goal, rig):
 
 
 def route_s(poses_deg, rig):
-    return sum(move_s(a, b, rig) for a, b in zip(poses_deg[:-1], poses_deg[1:], strict=True))
+    return sum(move_s(a, b, rig) for a, b in pairwise(poses_deg))
 
 
 def least_s(between_s):

@@ -41,8 +41,8 @@ def test_nor_does_one_that_turns_the_axes(angles_deg, approach_deg):
     view = Places.of(angles_deg[:, :2], rig.axis.view_phi)
     light = Places.of(angles_deg[:, 2:], rig.axis.light_phi)
     metric = TimeMetric.between_places(view, light, rig)
-    choices = [list(product(view.choices[v], light.choices[l]))
-               for v, l in zip(view.direction, light.direction, strict=True)]  # fmt: skip
+    directions = zip(view.direction, light.direction, strict=True)
+    choices = [list(product(view.choices[v], light.choices[i])) for v, i in directions]
     stands = np.array(list(product(*choices)))
     starts, goals = stands[:, :, None], stands[:, None]
     least = min(least_s(times) for times in metric.times(starts, goals)[:2000])

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,6 +10,7 @@ from planner import search
 from planner.construct import nearest_neighbour
 from planner.metric import TimeMetric
 from planner.route import plan_route
+
 from .rigs import RIG, WIDE, between_s, least_s, move_s, rig_of, route_s, stands_deg
 
 RIGS = {
@@ -131,7 +134,7 @@ def test_a_route_goes_round_what_is_blocked(angles_deg, data):
     way_s = Blocked(rig, slow)
     route = plan_route(angles_deg, rig, way_s)
     stands = stands_deg(angles_deg, route)
-    true_s = sum(way_s.one(a, b) for a, b in zip(stands[:-1], stands[1:], strict=True))
+    true_s = sum(way_s.one(a, b) for a, b in itertools.pairwise(stands))
     assert route.moving_s == pytest.approx(true_s)
     all_s = np.array([[way_s.one(a, b) for b in angles_deg] for a in angles_deg])
     assert route.moving_s == pytest.approx(least_s(all_s), abs=1e-6)
