@@ -5,7 +5,7 @@ STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/* planner/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration few-shots left-out docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out expected scenes docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -48,6 +48,15 @@ left-out: setup  ## what leaving out saves and costs, on a folder of measured ta
 
 few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)
+
+designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)
+
+expected: setup  ## does the expected error rank designs as the true one: MATERIALS="one.npz two.npz"
+	$(BIN)/python tests/benchmarks/study_expected.py $(MATERIALS) -o expected.png
+
+scenes: setup    ## error in three scenes against rig time, by plan, through the twin (10 minutes)
+	$(BIN)/python tests/benchmarks/study_scenes.py
 
 docs: setup      ## the documentation site, in docs/_build
 	$(BIN)/sphinx-build -W --keep-going -q docs docs/_build

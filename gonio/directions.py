@@ -15,6 +15,8 @@ import numpy as np
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 RINGS_81: tuple[tuple[float, int], ...] = ((0, 1), (15, 6), (30, 12), (45, 18), (60, 20), (75, 24))
@@ -147,8 +149,15 @@ def paper_directions() -> NDArray[np.float64]:
 
 def paper_angles_deg() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return theta and phi of the 81 directions in degrees, shape (81,) each."""
-    theta = [np.full(count, ring) for ring, count in RINGS_81]
-    phi = [np.arange(count) * 360.0 / count for _, count in RINGS_81]
+    return ring_angles_deg(RINGS_81)
+
+
+def ring_angles_deg(
+    rings: Sequence[tuple[float, int]],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return theta and phi in degrees, shape (n,) each, of rings of (theta, number of azimuths)."""
+    theta = [np.full(count, ring) for ring, count in rings]
+    phi = [np.arange(count) * 360.0 / count for _, count in rings]
     return np.concatenate(theta).astype(np.float64), np.concatenate(phi)
 
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 SAMPLE_SIDE_MM = 70.0
 """Side of the square sample; its centre is the origin."""
 
+HOLDER_RADIUS_MM = 100.0
+"""The sample holder and its board lie within so much of the origin."""
+
 
 @dataclass(frozen=True)
 class ArmPose:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from gonio.errors import BadFileError
 from gonio.files import canonical_json, sha256_bytes, write_json
@@ -21,6 +21,11 @@ Side = Literal["view", "light"]
 
 # what came after the first plans is left out of the file, and so of its hash, where it says nothing
 Turns = Annotated[int, Field(ge=-10, le=10, exclude_if=lambda turns: turns == 0)]
+
+
+def _is_unknown(value: object) -> bool:
+    # left out of the file, and so of the hash of plans that were made before there was such a field
+    return value is None
 
 
 class LampSetting(Document):
@@ -81,7 +86,8 @@ class Shot(Document):
 class Selection(Document):
     """How the shots were chosen.
 
-    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked.
+    `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
+    and `variance_bound` what any choice of as many pairs leaves at least.
     """
 
     criterion: str
@@ -91,6 +97,7 @@ class Selection(Document):
     full_set: int = Field(ge=1)
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
+    variance_bound: float | None = Field(default=None, ge=0)
     route: str
 
 
@@ -107,26 +114,58 @@ class RouteTime(Document):
 
 
 class LeftOut(Document):
-    """Shots that were not taken, and why."""
+    """Shots that were not taken, and why.
+
+    Attributes
+    ----------
+    reason
+        Follows their number in a sentence.
+    shots
+        How many pairs that concerns.
+    spared_shots, spared_min
+        How many shots and minutes fewer the plan takes for it than one without this omission;
+        below zero: more. None where that was not asked.
+    error_inside, error_outside
+        Change of the expected standard deviation of ln(BRDF), as a mean over what a scene asks for
+        and over what it does not.
+    """
 
     reason: str
     shots: int = Field(ge=0)
+    spared_shots: int | None = None
+    spared_min: float | None = None
+    error_inside: float | None = None
+    error_outside: float | None = None
+
+    @model_serializer(mode="wrap")
+    def _what_is_known(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # without nulls: the hash of a plan that has no such numbers stays as it was
+        return {name: value for name, value in handler(self).items() if value is not None}
 
 
 class Estimates(Document):
-    """What the plan will cost on the rig that it was made for."""
+    """What the plan will cost on the rig that it was made for.
+
+    `total_lo_s` and `total_hi_s` are the 5 and 95 % quantiles of the whole; `timing_sha256` is of
+    the timing that was measured on the rig, None where it was not.
+    """
 
     moving_s: float = Field(ge=0)
     settling_s: float = Field(ge=0)
     exposing_s: float = Field(ge=0)
     overhead_s: float = Field(ge=0)
+    homing_s: float = Field(default=0.0, ge=0, exclude_if=lambda seconds: seconds == 0)
+    total_lo_s: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
+    total_hi_s: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
+    timing_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     frames: int = Field(ge=0)
     storage_bytes: int = Field(ge=0)
 
     @property
     def total_s(self) -> float:
         """Everything together, in seconds."""
-        return self.moving_s + self.settling_s + self.exposing_s + self.overhead_s
+        doing_s = self.moving_s + self.settling_s + self.exposing_s
+        return doing_s + self.overhead_s + self.homing_s
 
 
 class Plan(Document):

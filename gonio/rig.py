@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -11,6 +12,7 @@ from pydantic import Field, field_validator, model_validator
 
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.geometry import HOLDER_RADIUS_MM
 from gonio.validation import Document, check, parse_toml, read_text, within
 
 AXES = ("view_theta", "view_phi", "light_theta", "light_phi")
@@ -25,6 +27,8 @@ Offset = Annotated[float, within(-1e4, 1e4)]
 Place = Annotated[float, within(-1e5, 1e5)]
 Angle = Annotated[float, within(-3600, 3600)]
 Timeout = Annotated[float, within(0.1, 3600)]
+# left out of the hash where nobody waits, so that files of before there was such a key keep theirs
+Wait = Annotated[float, within(0, 86400), Field(exclude_if=lambda seconds: seconds == 0)]
 Pixels = Annotated[int, within(2, 30000)]
 Point = tuple[Place, Place, Place]
 
@@ -41,6 +45,19 @@ class KeepOut(Document):
     def _corners_in_order(self) -> KeepOut:
         if any(low >= high for low, high in zip(self.min_mm, self.max_mm, strict=True)):
             raise ValueError("each of min_mm must be below the same of max_mm")
+        return self
+
+    @model_validator(mode="after")
+    def _leaves_the_sample(self) -> KeepOut:
+        # every line of sight ends there, so no pose would be free
+        nearest = [
+            max(low, min(high, 0.0)) for low, high in zip(self.min_mm, self.max_mm, strict=True)
+        ]
+        if self.max_mm[2] > 0.0 and math.hypot(*nearest) < HOLDER_RADIUS_MM:
+            raise ValueError(
+                f"the box reaches within {HOLDER_RADIUS_MM:g} mm of the sample's centre, where "
+                "every line of sight ends; end it below z = 0, or keep it further out"
+            )
         return self
 
 
@@ -148,6 +165,9 @@ class Lamps(Document):
     distance_m: Distance = 2.0
     lamp: tuple[Lamp, ...] = Field(min_length=1, max_length=11)
     watchdog_ms: Annotated[int, within(0, 3_600_000)] = 30000
+    warm_up_s: Wait = 0.0
+    rest_after_s: Wait = 0.0
+    rest_s: Wait = 0.0
 
     @field_validator("lamp")
     @classmethod
@@ -155,6 +175,12 @@ class Lamps(Document):
         if len({lamp.n for lamp in lamps}) != len(lamps):
             raise ValueError("two lamps have the same n")
         return lamps
+
+    @model_validator(mode="after")
+    def _rest_after_light(self) -> Lamps:
+        if bool(self.rest_after_s) != bool(self.rest_s):
+            raise ValueError("rest_after_s and rest_s go together: give both, or neither")
+        return self
 
 
 class CameraSpec(Document):

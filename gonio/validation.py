@@ -95,6 +95,10 @@ def describe(error: ValidationError) -> str:
     first, *others = error.errors(include_url=False)
     field = ".".join(str(part) for part in first["loc"]) or "the document"
     message = first["msg"].removeprefix("Value error, ")
-    known = {"missing": "is missing", "extra_forbidden": "is not a known key"}
+    known = {
+        "missing": "is missing",
+        "extra_forbidden": "is not a known key",
+        "union_tag_not_found": f"{first.get('ctx', {}).get('discriminator', '')} is missing",
+    }
     text = f"{field}: {known.get(first['type'], message)}"
     return text + (f" (and {len(others)} more)" if others else "")

@@ -1,4 +1,4 @@
-"""What no route can beat, to say how good one is."""
+"""What no choice of pairs can beat: a lower bound on the variance left."""
 
 from __future__ import annotations
 
@@ -6,60 +6,48 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.search import is_available, tree_bound_s
-
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    from planner.metric import TimeMetric
+    from planner.information import Unknown
 
-_ASSIGNED = 1500
-"""Most shots of which the assignment bound is asked: its time grows with their cube."""
+_STEPS = 60
+MOST_PAIRS = 40_000
+"""Of more pairs a bound would take longer than the choice."""
 
 
-def bound_s(metric: TimeMetric, order: NDArray[np.int64]) -> float:
-    """Return the best lower bound known of the seconds of any route.
+def least_left(
+    kinds: Sequence[Unknown], allowed: NDArray[np.bool_], chosen: NDArray[np.int64]
+) -> float:
+    """Return what any choice of as many pairs leaves at least, as `Unknown.remaining` adds up.
 
-    Where moves have no direction, trees with prices are nearest to the truth; assignments where
-    they have.
+    Weights between 0 and 1 on the pairs make the variance left a convex function, so that its
+    slope at any weights bounds it everywhere. The weights start at the choice and go towards the
+    best by conditional gradients (Frank and Wolfe 1956; for designs Fedorov 1972). Products of
+    views and lights are choices of pairs, too, so the bound holds for them as well.
 
     Parameters
     ----------
-    metric
-        Between shots, whose places are free to choose: see `TimeMetric.least`.
-    order
-        A good route, shape (n,).
+    kinds
+        Of any state; their state afterwards means nothing.
+    allowed
+        Which pairs may be measured, shape (pairs,).
+    chosen
+        The choice, indices of pairs.
     """
-    if len(order) < 2:
-        return 0.0
-    bounds = [nearest_bound_s(metric)]
-    if is_available():
-        bounds.append(tree_bound_s(metric.either_way, order))
-    if len(order) <= _ASSIGNED and not (is_available() and metric.is_symmetric):
-        bounds.append(assignment_bound_s(metric))
-    return max(bounds)
-
-
-def nearest_bound_s(metric: TimeMetric) -> float:
-    """Return half the seconds of each shot's least move to another and least move from another.
-
-    The last shot is not left and the first not entered: the longest of either is not counted.
-    """
-    out_s, in_s = np.empty((2, len(metric)))
-    everything = np.arange(len(metric))
-    for shot in everything:
-        others = np.delete(everything, shot)
-        out_s[shot] = metric.between(shot, others).min()
-        in_s[shot] = metric.between(others, shot).min()
-    return float((out_s.sum() - out_s.max() + in_s.sum() - in_s.max()) / 2.0)
-
-
-def assignment_bound_s(metric: TimeMetric) -> float:
-    """Return the least seconds in which each shot has one that follows it, in rings or not."""
-    from scipy.optimize import linear_sum_assignment
-
-    everything = np.arange(len(metric))
-    # one more shot, nowhere, closes the route; no shot follows itself
-    cost_s = np.pad(metric.between(everything[:, None], everything[None]), (0, 1))
-    np.fill_diagonal(cost_s, 2.0 * cost_s.max() + 1.0)
-    return float(cost_s[linear_sum_assignment(cost_s)].sum())
+    weights = np.zeros(len(allowed))
+    weights[chosen] = 1.0
+    bound = 0.0
+    for step in range(_STEPS):
+        for kind in kinds:
+            kind.weigh(weights)
+        slopes = np.where(allowed, sum(kind.slopes() for kind in kinds), -np.inf)
+        steepest = np.zeros(len(allowed))
+        steepest[np.argpartition(-slopes, len(chosen) - 1)[: len(chosen)]] = 1.0
+        towards = steepest - weights
+        left = sum(kind.remaining for kind in kinds)
+        bound = max(bound, left - float(np.where(allowed, slopes, 0.0) @ towards))
+        weights += towards * 2 / (step + 4)
+    return bound

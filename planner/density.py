@@ -59,8 +59,8 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int
         )
     if count > reachable:
         raise BadInputError(
-            f"{arm}s: {count} directions are asked for, but the travel of {arm}_theta and "
-            f"{arm}_phi reaches {reachable} of {candidates}; ask for fewer or all, or correct "
-            "min_deg and max_deg in the rig file"
+            f"{arm}s: {count} directions are asked for, but within the travel of {arm}_theta and "
+            f"{arm}_phi and clear of everything are {reachable} of {candidates}; ask for fewer or "
+            "all, or correct the rig file"
         )
     return count

@@ -1,4 +1,4 @@
-"""Which pairs of directions tell most: least posterior variance under a prior, integrated."""
+"""What pairs of directions tell: the posterior variance that they leave under a prior."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -18,46 +18,105 @@ if TYPE_CHECKING:
 NOISE = 0.01
 """Variance of one measurement in the log domain: a tenth of its value, model error included."""
 
+_CHUNK = 4_000_000
+"""Numbers that one step works on at once: what it makes stays in memory, not on the disk."""
+
 
 class Unknown:
     """What is still unknown of one kind of material, as pairs are measured.
 
-    A measurement's gain is the sum over all pairs of the squared covariance with it, over its own
-    variance: what it takes off the integrated variance (I-optimality; Fedorov 1972, chapter 2).
+    With the factor F of the prior's covariance and the scatter S = F.T diag(demand) F, everything
+    is told by two matrices of the factor's rank: the covariance C = (1 + F_m.T F_m / noise)^-1 of
+    the measured rows, and C S C. A measurement's gain is what it takes off the integrated
+    variance trace(S C): f.T C S C f / (f.T C f + noise) (I-optimality; Fedorov 1972, chapter 2).
 
     Parameters
     ----------
     kind
         Its prior covariance at all pairs.
+    demand
+        How much each pair counts in the integral, shape (pairs,); None: all alike.
     """
 
-    def __init__(self, kind: PriorKind) -> None:
-        self._which = kind.which
+    def __init__(self, kind: PriorKind, demand: Array | None = None) -> None:
+        self.which = kind.which
         self._factor = kind.factor
-        times = np.bincount(kind.which, minlength=len(kind.factor))
-        self._scatter = (self._factor.T * times) @ self._factor
-        self._share = kind.share / float(np.trace(self._scatter))
+        self._covariance = self._middle = np.empty((0, 0))
+        self._left = 0.0
+        self._variance: Array | None = None
+        self._effect: Array | None = None
+        counts = np.bincount(kind.which, weights=demand, minlength=len(kind.factor))
+        self._scatter = np.zeros((kind.factor.shape[1],) * 2)
+        for rows, factor in self._chunks():
+            self._scatter += (factor.T * counts[rows]) @ factor
+        whole = float(np.trace(self._scatter))
+        self.share = kind.share / whole if whole > 0 else 0.0
         self.forget(np.empty(0, np.int64))
 
     def forget(self, measured: NDArray[np.int64]) -> None:
         """Start again, knowing only the pairs `measured`."""
-        rows = self._factor[self._which[measured]]
+        rows = self._rows(measured)
         precision = np.eye(rows.shape[1]) + rows.T @ rows / NOISE
-        covariance = np.linalg.inv(precision)
-        self._reach = self._factor @ covariance
-        self._effect = self._reach @ self._scatter
-        self._left = float(np.einsum("ij,ji->", covariance, self._scatter))
+        self._know(np.asarray(np.linalg.inv(precision), np.float64))
+
+    def weigh(self, weights: Array) -> None:
+        """Start again, each pair measured with a weight, shape (pairs,): 0 not at all, 1 once."""
+        counts = np.bincount(self.which, weights=weights, minlength=len(self._factor))
+        precision: Array = np.eye(self._factor.shape[1])
+        for rows, factor in self._chunks():
+            precision += (factor.T * (counts[rows] / NOISE)) @ factor
+        self._know(np.asarray(np.linalg.inv(precision), np.float64))
+
+    def learn(self, measured: NDArray[np.int64]) -> None:
+        """Take in measurements of a few pairs."""
+        rows = self._rows(measured)
+        reach = rows @ self._covariance
+        inner = rows @ reach.T + NOISE * np.eye(len(rows))
+        self._know(self._covariance - reach.T @ np.linalg.solve(inner, reach))
+
+    def turn(self, pair: int, *, known: bool) -> None:
+        """Take in the measurement of one pair, or take it out again, in the time of two products.
+
+        The gains of all pairs are kept up to date by the same rank-one step (Sherman and Morrison
+        1950); a long row of steps gathers round-off, so `forget` now and then.
+        """
+        variance, effect = self._spreads()
+        row = self._rows(np.array([pair]))[0]
+        reach = self._covariance @ row
+        over = float(row @ reach) + (NOISE if known else -NOISE)
+        through = self._middle @ row
+        size = float(reach @ self._scatter @ reach)
+        both = np.stack([reach, through], axis=1).astype(self._factor.dtype)
+        seen, told = (self._factor @ both).T
+        variance -= seen**2 / over
+        effect += seen * (seen * (size / over) - 2 * told) / over
+        square, cross = np.outer(reach, reach), np.outer(reach, through)
+        self._covariance = self._covariance - square / over
+        self._middle = self._middle - (cross + cross.T - square * (size / over)) / over
+        self._left -= size / over
 
     @property
     def remaining(self) -> float:
         """Integrated variance left, as a share of the prior's, times the kind's own share."""
-        return self._share * self._left
+        return self.share * self._left
 
     def gains(self) -> Array:
         """Return what measuring each pair alone would take off, shape (pairs,)."""
-        variance = np.einsum("ij,ij->i", self._reach, self._factor)
-        effect = np.einsum("ij,ij->i", self._reach, self._effect)
-        return np.asarray(self._share * effect / (variance + NOISE))[self._which]
+        variance, effect = self._spreads()
+        return np.asarray(self.share * effect / (variance + NOISE))[self.which]
+
+    def slopes(self) -> Array:
+        """Return by how much a little more weight on each pair would lower `remaining`, (pairs,).
+
+        Its derivative for the weights of `weigh`, negated.
+        """
+        _, effect = self._spreads()
+        return np.asarray(self.share * effect / NOISE)[self.which]
+
+    def entropy_gains(self) -> Array:
+        """Return by how much each pair alone would lower the log determinant, shape (pairs,)."""
+        variance, _ = self._spreads()
+        return np.log1p(variance / NOISE)[self.which]
 
     def block_gains(self, blocks: NDArray[np.int64], counted: NDArray[np.bool_]) -> Array:
         """Return what measuring each block of pairs at once would take off.
@@ -69,128 +128,59 @@ class Unknown:
         counted
             Which of them can be measured, shape (blocks, m).
         """
-        rows = self._which[blocks]
-        reach = self._reach[rows] * counted[..., None]
-        inner = reach @ np.swapaxes(self._factor[rows] * counted[..., None], 1, 2)
-        inner += NOISE * np.eye(blocks.shape[1])
-        effect = reach @ np.swapaxes(self._effect[rows], 1, 2)
-        gain = np.trace(np.linalg.solve(inner, effect), axis1=1, axis2=2)
-        return np.asarray(self._share * gain)
+        return self.share * self._by_block(blocks, counted, self._block_gain)
 
-    def learn(self, measured: NDArray[np.int64]) -> None:
-        """Take in measurements of a few pairs."""
-        rows = self._which[measured]
-        reach = self._reach[rows]
-        inner = self._factor[rows] @ reach.T + NOISE * np.eye(len(rows))
-        gain = np.linalg.solve(inner, reach)
-        moved = self._factor @ reach.T
-        self._left -= float(np.trace(np.linalg.solve(inner, reach @ self._effect[rows].T)))
-        self._effect = self._effect - moved @ (gain @ self._scatter)
-        self._reach = self._reach - moved @ gain
+    def block_entropy_gains(self, blocks: NDArray[np.int64], counted: NDArray[np.bool_]) -> Array:
+        """Return by how much each block would lower the log determinant (see `block_gains`)."""
+        return self._by_block(blocks, counted, self._block_entropy)
 
+    def _by_block(
+        self,
+        blocks: NDArray[np.int64],
+        counted: NDArray[np.bool_],
+        gain: Callable[[Array], Array],
+    ) -> Array:
+        step = max(1, _CHUNK // (blocks.shape[1] * self._factor.shape[1]))
+        parts = []
+        for start in range(0, len(blocks), step):
+            part = slice(start, start + step)
+            rows = self._rows(blocks[part].ravel()).reshape(*blocks[part].shape, -1)
+            parts.append(gain(rows * counted[part][..., None]))
+        return np.concatenate(parts) if parts else np.empty(0)
 
-def best_pairs(
-    kinds: Sequence[Unknown], allowed: NDArray[np.bool_], count: int
-) -> NDArray[np.int64]:
-    """Choose `count` pairs one after the other, each for what it adds to those before it.
+    def _block_gain(self, rows: Array) -> Array:
+        inner = self._inner(rows)
+        effect = rows @ self._middle @ np.swapaxes(rows, 1, 2)
+        return np.asarray(np.trace(np.linalg.solve(inner, effect), axis1=1, axis2=2))
 
-    Parameters
-    ----------
-    kinds
-        Fresh; they have learned the choice afterwards.
-    allowed
-        Which pairs may be chosen, shape (pairs,).
-    """
-    chosen: list[int] = []
-    free = allowed.copy()
-    for _ in range(count):
-        gain = np.where(free, sum(each.gains() for each in kinds), -np.inf)
-        best = int(np.argmax(gain))
-        chosen.append(best)
-        free[best] = False
-        for kind in kinds:
-            kind.learn(np.array([best]))
-    return np.array(chosen, np.int64)
+    def _block_entropy(self, rows: Array) -> Array:
+        return np.asarray(np.linalg.slogdet(self._inner(rows) / NOISE)[1])
 
+    def _inner(self, rows: Array) -> Array:
+        inner = rows @ self._covariance @ np.swapaxes(rows, 1, 2)
+        return np.asarray(inner + NOISE * np.eye(rows.shape[1]))
 
-def best_product(
-    kinds: Sequence[Unknown], allowed: NDArray[np.bool_], lights: int, views: int, sweeps: int = 3
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Choose `lights` rows and `views` columns whose pairs together leave the least variance.
+    def _know(self, covariance: Array) -> None:
+        self._covariance = 0.5 * (covariance + covariance.T)
+        self._middle = self._covariance @ self._scatter @ self._covariance
+        self._left = float(np.einsum("ij,ji->", self._covariance, self._scatter))
+        self._variance = self._effect = None
 
-    They grow side by side, then each is exchanged in turn for the best there is until none moves.
+    def _spreads(self) -> tuple[Array, Array]:
+        """Return each different pair's variance and what its measurement reaches, kept."""
+        if self._variance is None or self._effect is None:
+            self._variance = np.empty(len(self._factor))
+            self._effect = np.empty(len(self._factor))
+            for rows, factor in self._chunks():
+                self._variance[rows] = np.einsum("ij,ij->i", factor @ self._covariance, factor)
+                self._effect[rows] = np.einsum("ij,ij->i", factor @ self._middle, factor)
+        return self._variance, self._effect
 
-    Parameters
-    ----------
-    kinds
-        Fresh, over the pairs of `allowed` in its order.
-    allowed
-        Which pairs can be measured, shape (light candidates, view candidates).
+    def _rows(self, pairs: NDArray[np.int64]) -> Array:
+        return np.asarray(self._factor[self.which[pairs]], np.float64)
 
-    Returns
-    -------
-    tuple of ndarray
-        Rising indices of lights and of views.
-    """
-    search = _ProductSearch(kinds, allowed)
-    search.grow(lights, views)
-    for _ in range(sweeps):
-        if not search.exchange():
-            break
-    return np.sort(search.chosen[0]), np.sort(search.chosen[1])
-
-
-class _ProductSearch:
-    """A product in the making; axis 0 are lights, axis 1 views."""
-
-    def __init__(self, kinds: Sequence[Unknown], allowed: NDArray[np.bool_]) -> None:
-        self.kinds, self.allowed = kinds, allowed
-        self.pairs = np.arange(allowed.size).reshape(allowed.shape)
-        self.chosen: list[list[int]] = [[], []]
-
-    def grow(self, lights: int, views: int) -> None:
-        first = np.where(self.allowed, self._sum_gains().reshape(self.allowed.shape), -np.inf)
-        light, view = np.unravel_index(int(np.argmax(first)), first.shape)
-        self.chosen = [[int(light)], [int(view)]]
-        self._learn(self._measured())
-        wanted = (lights, views)
-        while any(len(chosen) < want for chosen, want in zip(self.chosen, wanted, strict=True)):
-            short = [len(chosen) / want for chosen, want in zip(self.chosen, wanted, strict=True)]
-            self._add(int(np.argmin(short)))
-
-    def exchange(self) -> bool:
-        """Take each direction out and put the best one in; return whether any has changed."""
-        moved = False
-        for axis in (0, 1):
-            if len(self.chosen[axis]) == self.allowed.shape[axis]:
-                continue
-            for index in list(self.chosen[axis]):
-                self.chosen[axis].remove(index)
-                for kind in self.kinds:
-                    kind.forget(self._measured())
-                moved |= self._add(axis) != index
-        return moved
-
-    def _add(self, axis: int) -> int:
-        others = self.chosen[1 - axis]
-        blocks, counted = self.pairs[:, others], self.allowed[:, others]
-        if axis == 1:
-            blocks, counted = self.pairs[others].T, self.allowed[others].T
-        gain = sum(kind.block_gains(blocks, counted) for kind in self.kinds)
-        gain = np.asarray(gain)
-        gain[self.chosen[axis]] = -np.inf
-        best = int(np.argmax(gain))
-        self.chosen[axis].append(best)
-        self._learn(blocks[best][counted[best]])
-        return best
-
-    def _measured(self) -> NDArray[np.int64]:
-        grid = np.ix_(*self.chosen)
-        return np.asarray(self.pairs[grid][self.allowed[grid]])
-
-    def _learn(self, measured: NDArray[np.int64]) -> None:
-        for kind in self.kinds:
-            kind.learn(measured)
-
-    def _sum_gains(self) -> Array:
-        return np.asarray(sum(kind.gains() for kind in self.kinds))
+    def _chunks(self) -> Iterator[tuple[slice, Array]]:
+        step = max(1, _CHUNK // self._factor.shape[1])
+        for start in range(0, len(self._factor), step):
+            rows = slice(start, start + step)
+            yield rows, np.asarray(self._factor[rows], np.float64)

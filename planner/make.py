@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, LeftOut, Plan, RouteTime, Selection, Shot
+from gonio.plan import LampSetting, Plan, RouteTime, Selection, Shot
 from gonio.timemodel import estimate
+from gonio.timing import default_timing
 from planner.candidates import paper_candidates
-from planner.criteria import criterion_named, reciprocal_pairs
+from planner.criteria import criterion_named
 from planner.density import count_of
-from planner.reach import apart, refuse_keep_out, within_travel
+from planner.exposures import with_predicted_exposures
+from planner.field import Field
+from planner.reach import reach_of
 from planner.route import plan_route
+from planner.ways import seconds_of_ways
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
     from gonio.protocols import Prior
     from gonio.rig import Rig
+    from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
     from planner.route import Route
+
+    Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
+    Omission = Callable[[Field], NDArray[np.bool_]]
 
 FULL_CURRENT_MA = 700.0
 
@@ -37,15 +46,23 @@ def make_plan(
     criterion: str = "farthest",
     shots: int | None = None,
     prior: Callable[[], Prior] | None = None,
+    view_candidates: Candidates | None = None,
+    light_candidates: Candidates | None = None,
+    demand: Demand | None = None,
+    max_theta_deg: float | None = None,
+    leave_out: Mapping[str, Omission] | None = None,
+    seed: int = 0,
+    timing: Timing | None = None,
+    bracket: str = "all",
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
-    Every shot takes all of the rig's exposures, with all of its lamps at 700 mA.
+    Every shot is taken with all of the rig's lamps at 700 mA.
 
     Parameters
     ----------
     rig
-        What will measure: its travel, separation, speeds and exposures count.
+        What will measure: its travel, separation, boxes, speeds and exposures count.
     views, lights
         `all`, `sixth`, or a number of directions (see `planner.density`).
     criterion
@@ -53,66 +70,114 @@ def make_plan(
     shots
         Choose so many pairs freely, rather than all pairs of some views and lights.
     prior
-        Makes what is believed of the material, for criteria that ask.
+        Makes what is believed of the material, for criteria that ask, and for predicted exposures.
+    view_candidates, light_candidates
+        What to choose from (see `planner.candidates`); the paper's 81 unless given.
+    demand
+        Makes of light and view candidates how much each pair counts, shape (L, V); None: all alike.
+    max_theta_deg
+        Leave out directions closer to grazing than that.
+    leave_out
+        Returns of a field which pairs need not be measured, shape (L, V), by reason.
+    seed
+        Of the random criterion.
+    timing
+        How the rig acts; without it, as `gonio.timing.default_timing` expects.
+    bracket
+        `all` of the rig's exposures for every shot, or those `predicted` to show it (see
+        `planner.exposures`).
 
     Raises
     ------
     BadInputError
         For a density or criterion that is none, or when the rig can take no such shot.
     """
-    refuse_keep_out(rig)
-    candidates = paper_candidates()
-    reach, allowed = _pairs_within_reach(candidates, rig)
-    judge = criterion_named(criterion, candidates.directions, prior)
+    judge = criterion_named(criterion, prior, seed)
+    light_set, view_set = (
+        each or paper_candidates() for each in (light_candidates, view_candidates)
+    )
+    reach = reach_of(light_set, view_set, rig, max_theta_deg)
+    counts = None if demand is None else demand(light_set, view_set)
+    field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
     if shots is not None:
-        choice = judge.pairs(allowed, _checked_shots(shots, int(allowed.sum())))
+        choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
         choice = judge.product(
-            allowed,
-            count_of(views, len(candidates), int(reach.any(axis=0).sum()), "view"),
-            count_of(lights, len(candidates), int(reach.any(axis=1).sum()), "light"),
+            field,
+            count_of(lights, len(light_set), int(field.allowed.any(axis=1).sum()), "light"),
+            count_of(views, len(view_set), int(field.allowed.any(axis=0).sum()), "view"),
         )
-    measured = choice.measured & allowed
+    measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
-            f"all {choice.measured.sum()} chosen pairs are closer than arm.min_separation_deg "
-            f"({rig.arm.min_separation_deg:g}); correct it in the rig file, or take more directions"
+            f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
+            "that in the rig file, or take more directions"
         )
-    ordered, route = _in_order(candidates, measured, rig)
+    timing = timing or default_timing(rig)
+    ordered, route = _in_order(field, measured, rig, timing)
+    if bracket == "predicted":
+        if prior is None:
+            raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
+        ordered = with_predicted_exposures(ordered, prior(), rig, timing)
     selection = Selection(
         criterion=criterion,
-        candidates=candidates.name,
+        candidates=_set_names(light_set, view_set),
         views=int(measured.any(axis=0).sum()),
         lights=int(measured.any(axis=1).sum()),
         full_set=measured.size,
-        reciprocal_pairs=reciprocal_pairs(measured),
+        reciprocal_pairs=field.reciprocal(measured),
         variance_left=choice.variance_left,
+        variance_bound=choice.variance_bound,
         route=route.method,
     )
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=_left_out(reach, choice.measured, measured, rig),
-        estimates=estimate(ordered, rig),
+        left_out=reach.left_out(choice.measured, omitted),
+        estimates=estimate(ordered, rig, timing, route.detours_s),
         route=RouteTime(moving_s=route.moving_s, bound_s=route.bound_s),
         shots=ordered,
     )
 
 
-def _pairs_within_reach(
-    candidates: Candidates, rig: Rig
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which pairs each arm can take, and which of these keep the arms apart, (n, n)."""
-    reach = np.outer(
-        within_travel(candidates, rig, "light"), within_travel(candidates, rig, "view")
-    )
-    allowed = reach & apart(candidates, rig)
-    if not allowed.any():
-        raise BadInputError(
-            f"all pairs are closer than arm.min_separation_deg ({rig.arm.min_separation_deg:g}); "
-            "correct it in the rig file"
-        )
-    return reach, allowed
+def _set_names(lights: Candidates, views: Candidates) -> str:
+    if lights.name == views.name:
+        return lights.name
+    return f"lights {lights.name}, views {views.name}"
+
+
+def field_within(
+    rig: Rig,
+    lights: Candidates,
+    views: Candidates,
+    max_theta_deg: float | None,
+    leave_out: Mapping[str, Omission],
+) -> Field:
+    """Return the pairs that a plan would choose from."""
+    field = Field(lights, views, reach_of(lights, views, rig, max_theta_deg).allowed)
+    return _without(field, leave_out)[0]
+
+
+def _without(
+    field: Field, leave_out: Mapping[str, Omission]
+) -> tuple[Field, dict[str, NDArray[np.bool_]]]:
+    """Return the field less what is left out, and which pairs that are, by reason.
+
+    Raises
+    ------
+    BadInputError
+        When nothing is left.
+    """
+    omitted = {}
+    for reason, of in leave_out.items():
+        omitted[reason] = field.allowed & of(field)
+        field = replace(field, allowed=field.allowed & ~omitted[reason])
+        if not field.allowed.any():
+            raise BadInputError(
+                f"no pair is left: all that the rig can take {reason}; widen the scene, or the "
+                "travel in the rig file"
+            )
+    return field, omitted
 
 
 def _checked_shots(shots: int, most: int) -> int:
@@ -122,18 +187,19 @@ def _checked_shots(shots: int, most: int) -> int:
 
 
 def _in_order(
-    candidates: Candidates, measured: NDArray[np.bool_], rig: Rig
+    field: Field, measured: NDArray[np.bool_], rig: Rig, timing: Timing
 ) -> tuple[tuple[Shot, ...], Route]:
     """Return the shots of `measured`, indexed [light, view], in route order, and their route."""
     light, view = np.nonzero(measured)
-    theta_deg, phi_deg = candidates.theta_deg, candidates.phi_deg
-    route = plan_route(
-        np.stack([theta_deg[view], phi_deg[view], theta_deg[light], phi_deg[light]], axis=1), rig
+    sides = (field.views, view), (field.lights, light)
+    angles_deg = np.stack(
+        [angle[rows] for each, rows in sides for angle in (each.theta_deg, each.phi_deg)], axis=1
     )
+    route = plan_route(angles_deg, rig, timing, way_s=seconds_of_ways(rig, timing))
     lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)
     columns = {
-        "view_theta_deg": theta_deg[view][route.order],
-        "light_theta_deg": theta_deg[light][route.order],
+        "view_theta_deg": angles_deg[route.order, 0],
+        "light_theta_deg": angles_deg[route.order, 2],
         "view_phi_deg": route.phi_deg[:, 0],
         "light_phi_deg": route.phi_deg[:, 1],
         "view_turn": route.turns[:, 0],
@@ -150,17 +216,3 @@ def _in_order(
         for index, row in enumerate(rows)
     )
     return tuple(shots), route
-
-
-def _left_out(
-    reach: NDArray[np.bool_], chosen: NDArray[np.bool_], measured: NDArray[np.bool_], rig: Rig
-) -> tuple[LeftOut, ...]:
-    """Return why each pair that is not measured is not, in the order of the checks."""
-    separation = f"closer than {rig.arm.min_separation_deg:g} deg (arm.min_separation_deg)"
-    reasons = {
-        "beyond the travel of an axis": ~reach,
-        "not chosen at this density": reach & ~chosen,
-        separation: chosen & ~measured,
-    }
-    counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
-    return tuple(LeftOut(reason=reason, shots=shots) for reason, shots in counts.items() if shots)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.rig import Rig
+    from gonio.timing import Timing
     from planner.places import Places
 
     Array = NDArray[np.float64]
@@ -41,10 +42,10 @@ class ArmTimes:
     run_s: Array
 
     @classmethod
-    def of(cls, angles_deg: Array, rig: Rig, arm: str) -> ArmTimes:
+    def of(cls, angles_deg: Array, rig: Rig, timing: Timing | None, arm: str) -> ArmTimes:
         """Make the tables of an arm ("view", "light") whose axes stand at angles, shape (p, 2)."""
         theta, phi = (
-            _axis_times(angles_deg[:, i], rig, f"{arm}_{name}")
+            _axis_times(angles_deg[:, i], rig, timing, f"{arm}_{name}")
             for i, name in enumerate(("theta", "phi"))
         )
         return cls(*np.maximum(theta, phi))
@@ -63,11 +64,11 @@ class ArmTimes:
         return ArmTimes(*(np.minimum(table, table.T) for table in (self.go_s, self.run_s)))
 
 
-def _axis_times(angles_deg: Array, rig: Rig, name: str) -> Array:
-    axis = rig.axis[name]
+def _axis_times(angles_deg: Array, rig: Rig, timing: Timing | None, name: str) -> Array:
     starts, goals = angles_deg[:, None], angles_deg[None]
-    stops = first_stop_deg(starts, goals, axis)
-    return move_time(np.stack([stops - starts, goals - stops]), axis)
+    stops = first_stop_deg(starts, goals, rig.axis[name])
+    acts = rig.axis[name] if timing is None else timing.axis[name]
+    return move_time(np.stack([stops - starts, goals - stops]), acts)
 
 
 @dataclass(frozen=True)
@@ -92,22 +93,27 @@ class TimeMetric:
     slow_s: Array = field(default_factory=lambda: np.empty(0))
 
     @classmethod
-    def of(cls, angles_deg: Array, rig: Rig) -> TimeMetric:
-        """Make the tables of shots whose axes stand at `angles_deg`, shape (n, 4), as in AXES."""
+    def of(cls, angles_deg: Array, rig: Rig, timing: Timing | None = None) -> TimeMetric:
+        """Make the tables of shots whose axes stand at `angles_deg`, shape (n, 4), as in AXES.
+
+        Without a `timing`, the rig acts just as its rig file says.
+        """
         views, view = np.unique(angles_deg[:, :2], axis=0, return_inverse=True)
         lights, light = np.unique(angles_deg[:, 2:], axis=0, return_inverse=True)
         return cls(
-            ArmTimes.of(views, rig, "view"),
-            ArmTimes.of(lights, rig, "light"),
+            ArmTimes.of(views, rig, timing, "view"),
+            ArmTimes.of(lights, rig, timing, "light"),
             np.stack([view.reshape(-1), light.reshape(-1)], axis=1),
         )
 
     @classmethod
-    def between_places(cls, view: Places, light: Places, rig: Rig) -> TimeMetric:
+    def between_places(
+        cls, view: Places, light: Places, rig: Rig, timing: Timing | None = None
+    ) -> TimeMetric:
         """Make the tables of all places; the shots are at their plain ones."""
         return cls(
-            ArmTimes.of(view.angles_deg, rig, "view"),
-            ArmTimes.of(light.angles_deg, rig, "light"),
+            ArmTimes.of(view.angles_deg, rig, timing, "view"),
+            ArmTimes.of(light.angles_deg, rig, timing, "light"),
             np.stack([view.plain, light.plain], axis=1),
         )
 
@@ -147,6 +153,11 @@ class TimeMetric:
         lights = len(self.light.go_s)
         start, goal = (pose[..., 0] * lights + pose[..., 1] for pose in (a, b))
         return np.asarray(start * (len(self.view.go_s) * lights) + goal)
+
+    @property
+    def straight(self) -> TimeMetric:
+        """The metric in which no move is slow."""
+        return replace(self, slow_keys=np.empty(0, np.int64), slow_s=np.empty(0))
 
     @property
     def slow_moves(self) -> tuple[Indices, Indices]:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.bound import bound_s
+from gonio.errors import BadInputError
 from planner.construct import first_routes
+from planner.local_search import improve, is_available
 from planner.metric import TimeMetric
 from planner.places import Places
-from planner.search import improve, is_available
+from planner.route_bound import bound_s
 from planner.turns import with_best_places
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.rig import Rig
+    from gonio.timing import Timing
 
     Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
@@ -52,6 +54,8 @@ class Route:
         Full turns of the phi axes beyond these, shape (n, 2).
     moving_s
         Seconds of all moves, the true times of blocked ones included.
+    detours_s
+        What of these they take beyond the same moves straight on.
     bound_s
         Seconds that no route can beat.
     method
@@ -62,11 +66,18 @@ class Route:
     phi_deg: Array
     turns: NDArray[np.int64]
     moving_s: float
+    detours_s: float
     bound_s: float
     method: str
 
 
-def plan_route(angles_deg: Array, rig: Rig, way_s: Ways | None = None, seed: int = 0) -> Route:
+def plan_route(
+    angles_deg: Array,
+    rig: Rig,
+    timing: Timing | None = None,
+    way_s: Ways | None = None,
+    seed: int = 0,
+) -> Route:
     """Order shots for the least time of moving.
 
     Three routes are built, each is improved by local search, and the quickest is searched on.
@@ -77,28 +88,41 @@ def plan_route(angles_deg: Array, rig: Rig, way_s: Ways | None = None, seed: int
         Theta and phi of view and light of each shot, shape (n, 4), in the order of
         `gonio.rig.AXES`; phi in [0, 360), to which the route may add turns of the axis.
     rig
-        Whose axes' travel, run-ups, speeds and accelerations count.
+        Whose axes' travel and run-ups count.
+    timing
+        How its axes act; without it, just as the rig file says.
     way_s
         Tells the true seconds of moves that something may block: of those from axis angles
         (m, 4) to axis angles (m, 4), shape (m,). Asked only for the moves of good routes.
     seed
         Of the search.
+
+    Raises
+    ------
+    BadInputError
+        When no order was found in which there is a way from each shot to the next.
     """
     view = Places.of(angles_deg[:, :2], rig.axis.view_phi)
     light = Places.of(angles_deg[:, 2:], rig.axis.light_phi)
     arms = (view, light)
-    metric = TimeMetric.between_places(view, light, rig)
+    metric = TimeMetric.between_places(view, light, rig, timing)
     metric, order, method = _started(metric, arms)
     metric, order = _searched(metric, order, arms, _work(order), seed)
     if way_s is not None:
         metric, order = _around(metric, order, arms, way_s, seed)
     places = list(zip(arms, metric.poses[order].T, strict=True))
     moving_s = metric.total(order)
+    if not np.isfinite(moving_s):
+        raise BadInputError(
+            f"no order of the {len(order)} shots was found in which the arms have a free way from "
+            "each to the next; leave out directions, or correct the rig file if it is wrong"
+        )
     return Route(
         order=order,
         phi_deg=np.stack([arm.phi_deg[at] for arm, at in places], axis=1),
         turns=np.stack([arm.turn[at] for arm, at in places], axis=1),
         moving_s=moving_s,
+        detours_s=moving_s - metric.straight.total(order),
         # a bound that is met may be above by round-off
         bound_s=min(moving_s, bound_s(metric.least(*arms), order)),
         method=f"{method}, local search" if is_available() else f"{method}, 2-opt in NumPy",

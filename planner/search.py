@@ -1,123 +1,225 @@
-"""Local search for a short route, compiled; in NumPy where nothing was compiled."""
+"""Searching pairs, and products of lights and views, for those that tell most."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from planner.exchange import two_opt
-
-try:
-    from planner import _route
-except ImportError:
-    _route = None  # type: ignore[assignment]
+from planner.pairing import may_join
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
-    from planner.metric import TimeMetric
-    from planner.places import Places
+    from planner.information import Unknown
 
-    Indices = NDArray[np.int64]
+    Array = NDArray[np.float64]
 
-_UNIT_S = 1e-9
-_LARGEST = 2.0**61
-_BLOCKED = 100.0
-"""How many times the longest move one that cannot be made counts as."""
-
-
-def is_available() -> bool:
-    """Tell whether the kernel was compiled when gonio was installed."""
-    return _route is not None
+_FRESH = 64
+"""Steps after which round-off is swept out."""
+_WORTH = 1e-9
+"""Share of the best gain that an exchange must bring, so that round-off exchanges nothing."""
 
 
-def improve(
-    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, work: int, seed: int
-) -> tuple[TimeMetric, Indices]:
-    """Shorten a route, with the places that its shots are at.
+class Measure(NamedTuple):
+    """What a criterion calls gain.
 
-    Compiled: parts are reversed, moved and exchanged and other places taken until nothing saves
-    time; then so often a random part is disturbed and what follows kept if it is no longer
-    (iterated local search; Lourenco, Martin and Stuetzle 2003). In NumPy: parts are reversed, as
-    if moves had no direction and none were slow.
+    Attributes
+    ----------
+    alone
+        Gains of all pairs, each alone, shape (pairs,), of one kind of material.
+    block
+        Gains of blocks of pairs (see `planner.information.Unknown.block_gains`).
+    """
+
+    alone: Callable[[Unknown], Array]
+    block: Callable[[Unknown, NDArray[np.int64], NDArray[np.bool_]], Array]
+
+
+def best_pairs(
+    kinds: Sequence[Unknown],
+    allowed: NDArray[np.bool_],
+    count: int,
+    measure: Measure,
+    sweeps: int = 2,
+) -> NDArray[np.int64]:
+    """Choose `count` pairs one after the other, then exchange each for the best there is.
+
+    Pairs that all kinds take for equal, as by reciprocity, are taken once; only when each has been
+    taken do others follow.
 
     Parameters
     ----------
-    metric
-        Between all places; slow moves are longer than the tables say.
-    arms
-        The places of view and light.
-    order
-        The route, shot numbers of shape (n,).
-    work
-        How often the metric may be looked at, about: a count, so that a route repeats to the bit.
-    seed
-        Of the disturbances.
+    kinds
+        Fresh; they have learned the choice afterwards.
+    allowed
+        Which pairs may be chosen, shape (pairs,), at least `count`.
+    measure
+        What counts as gain.
+    sweeps
+        How often all pairs are exchanged in turn, unless none moves before.
 
     Returns
     -------
-    TimeMetric, ndarray
-        With the shots at their new places, and the new route; never longer than before.
+    ndarray
+        Pairs in the order of their choice, shape (count,).
     """
-    found, route = (_compiled if is_available() else _in_numpy)(metric, arms, order, work, seed)
-    # whole nanoseconds may call shorter what is longer by round-off
-    return (found, route) if found.total(route) < metric.total(order) else (metric, order)
+    search = _PairSearch(kinds, allowed, measure)
+    for _ in range(count):
+        search.add()
+    for _ in range(sweeps):
+        if not search.exchange():
+            break
+    return np.array(search.chosen, np.int64)
 
 
-def _compiled(
-    metric: TimeMetric, arms: tuple[Places, Places], order: Indices, work: int, seed: int
-) -> tuple[TimeMetric, Indices]:
-    unit_s = _unit_s(metric)
-    near = metric.least(*arms)
-    tables = _tables(metric, unit_s)
-    if len(metric.slow_keys):
-        slow = np.minimum(metric.slow_s, _BLOCKED * _longest_s(metric)) / unit_s
-        tables.override(*metric.slow_moves, slow.astype(np.int64))
-    views, lights = ([each.tolist() for each in places.choices] for places in arms)
-    route, poses = _route.search(
-        tables, _tables(near, unit_s), views, lights, near.poses, metric.poses, order, work, seed
-    )
-    return replace(metric, poses=poses), route
+class _PairSearch:
+    """A set of pairs in the making."""
+
+    def __init__(
+        self, kinds: Sequence[Unknown], allowed: NDArray[np.bool_], measure: Measure
+    ) -> None:
+        self.kinds, self.measure = kinds, measure
+        self.chosen: list[int] = []
+        self._allowed = allowed
+        self._classes = classes_of(kinds)
+        self._taken = np.zeros(self._classes.max() + 1, np.int64)
+        self._steps = 0
+
+    def add(self) -> None:
+        free = self._free()
+        self._turn(int(np.argmax(np.where(free, self._gains(), -np.inf))), known=True)
+
+    def exchange(self) -> bool:
+        """Take each pair out in turn and put the best there is in; return whether any has moved."""
+        moved = False
+        for pair in list(self.chosen):
+            self._turn(pair, known=False)
+            gain = np.where(self._free(), self._gains(), -np.inf)
+            best = int(np.argmax(gain))
+            if gain[best] <= gain[pair] * (1 + _WORTH):
+                best = pair
+            self._turn(best, known=True)
+            moved |= best != pair
+        return moved
+
+    def _free(self) -> NDArray[np.bool_]:
+        untaken = self._allowed.copy()
+        untaken[self.chosen] = False
+        once = untaken & (self._taken == 0)[self._classes]
+        return once if once.any() else untaken
+
+    def _gains(self) -> Array:
+        return np.asarray(sum(self.measure.alone(kind) for kind in self.kinds))
+
+    def _turn(self, pair: int, *, known: bool) -> None:
+        self._taken[self._classes[pair]] += 1 if known else -1
+        self.chosen.append(pair) if known else self.chosen.remove(pair)
+        self._steps += 1
+        for kind in self.kinds:
+            if self._steps % _FRESH:
+                kind.turn(pair, known=known)
+            else:
+                kind.forget(np.array(self.chosen, np.int64))
 
 
-def _in_numpy(
-    metric: TimeMetric, _arms: tuple[Places, Places], order: Indices, _work: int, _seed: int
-) -> tuple[TimeMetric, Indices]:
-    route = two_opt(metric.either_way, order)
-    return metric, min(route, route[::-1], key=metric.total)
+def classes_of(kinds: Sequence[Unknown]) -> NDArray[np.int64]:
+    """Return a number a pair, shape (pairs,), equal for pairs that all kinds take for equal."""
+    classes = kinds[0].which
+    for kind in kinds[1:]:
+        joint = classes.astype(np.int64) * (int(kind.which.max()) + 1) + kind.which
+        classes = np.unique(joint, return_inverse=True)[1].reshape(-1)
+    return np.asarray(classes)
 
 
-def tree_bound_s(metric: TimeMetric, order: Indices) -> float:
-    """Return what no route can beat, by trees with prices (Held and Karp 1971); compiled only.
+def best_product(
+    kinds: Sequence[Unknown],
+    allowed: NDArray[np.bool_],
+    lights: int,
+    views: int,
+    measure: Measure,
+    sweeps: int = 3,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Choose `lights` rows and `views` columns whose pairs together tell most.
+
+    They grow side by side, then each is exchanged in turn for the best there is until none moves.
 
     Parameters
     ----------
-    metric
-        Symmetric.
-    order
-        A good route.
+    kinds
+        Fresh, over the pairs of `allowed` in its order.
+    allowed
+        Which pairs can be measured, shape (light candidates, view candidates).
+    measure
+        What counts as gain.
+
+    Returns
+    -------
+    tuple of ndarray
+        Rising indices of lights and of views.
     """
-    unit_s = _unit_s(metric)
-    return float(_route.bound(_tables(metric, unit_s), metric.poses, order) * unit_s)
+    search = _ProductSearch(kinds, allowed, measure)
+    search.grow(lights, views)
+    for _ in range(sweeps):
+        if not search.exchange():
+            break
+    return np.sort(search.chosen[0]), np.sort(search.chosen[1])
 
 
-def _longest_s(metric: TimeMetric) -> float:
-    return max(float((arm.go_s + arm.run_s).max()) for arm in (metric.view, metric.light)) * 2
+class _ProductSearch:
+    """A product in the making; axis 0 are lights, axis 1 views."""
 
+    def __init__(
+        self, kinds: Sequence[Unknown], allowed: NDArray[np.bool_], measure: Measure
+    ) -> None:
+        self.kinds, self.allowed, self.measure = kinds, allowed, measure
+        self.pairs = np.arange(allowed.size).reshape(allowed.shape)
+        self.chosen: list[list[int]] = [[], []]
+        self.wanted = (0, 0)
 
-def _unit_s(metric: TimeMetric) -> float:
-    """Return how long a one of the whole numbers is: more where long sums ask for it."""
-    return max(_UNIT_S, _longest_s(metric) * _BLOCKED * (len(metric) + 1) / _LARGEST)
+    def grow(self, lights: int, views: int) -> None:
+        alone = sum(self.measure.alone(kind) for kind in self.kinds)
+        first = np.where(self.allowed, np.reshape(alone, self.allowed.shape), -np.inf)
+        light, view = np.unravel_index(int(np.argmax(first)), first.shape)
+        self.chosen = [[int(light)], [int(view)]]
+        self._learn(self._measured())
+        self.wanted = (lights, views)
+        while self.wanted != (len(self.chosen[0]), len(self.chosen[1])):
+            short = [len(each) / want for each, want in zip(self.chosen, self.wanted, strict=True)]
+            self._add(int(np.argmin(short)))
 
+    def exchange(self) -> bool:
+        """Take each direction out and put the best one in; return whether any has changed."""
+        moved = False
+        for axis in (0, 1):
+            if len(self.chosen[axis]) == self.allowed.shape[axis]:
+                continue
+            for index in list(self.chosen[axis]):
+                self.chosen[axis].remove(index)
+                for kind in self.kinds:
+                    kind.forget(self._measured())
+                moved |= self._add(axis) != index
+        return moved
 
-def _tables(metric: TimeMetric, unit_s: float) -> Any:
-    # rounded down, so that a bound stays one
-    return _route.Metric(
-        *(
-            np.floor(table / unit_s).astype(np.int64, order="C")
-            for arm in (metric.view, metric.light)
-            for table in (arm.go_s, arm.run_s)
-        )
-    )
+    def _add(self, axis: int) -> int:
+        others = self.chosen[1 - axis]
+        blocks, counted = self.pairs[:, others], self.allowed[:, others]
+        if axis == 1:
+            blocks, counted = self.pairs[others].T, self.allowed[others].T
+        gain = np.asarray(sum(self.measure.block(kind, blocks, counted) for kind in self.kinds))
+        chosen = (self.chosen[0], self.chosen[1])
+        gain[~may_join(self.allowed, chosen, self.wanted, axis)] = -np.inf
+        best = int(np.argmax(gain))
+        self.chosen[axis].append(best)
+        self._learn(blocks[best][counted[best]])
+        return best
+
+    def _measured(self) -> NDArray[np.int64]:
+        grid = np.ix_(*self.chosen)
+        return np.asarray(self.pairs[grid][self.allowed[grid]])
+
+    def _learn(self, measured: NDArray[np.int64]) -> None:
+        for kind in self.kinds:
+            kind.learn(measured)

@@ -6,27 +6,26 @@ import shlex
 import shutil
 from typing import TYPE_CHECKING
 
+from gonio.capture.frames import FrameTaker
+from gonio.capture.lighting import Lighting
+from gonio.capture.reach import check_reach
 from gonio.capture.wanted import Missing
 from gonio.errors import DeviceFaultError, StorageError
-from gonio.files import sha256_file
-from gonio.journal import FrameRecord
+from gonio.paths import free_way
 from gonio.rig import AXES
-from gonio.timemodel import frame_bytes
+from gonio.timemodel import WHITE_POSE_DEG, frame_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from gonio.capture.instrument import Instrument, Operator
     from gonio.capture.wanted import Wanted
     from gonio.journal import Journal
-    from gonio.plan import LampSetting, Plan, Shot
+    from gonio.plan import LampSetting, Shot
     from gonio.protocols import Progress
     from gonio.rig import Rig
     from gonio.session import Session
-
-WHITE_POSE_DEG = {"light_theta": 0.0, "light_phi": 0.0, "view_theta": 45.0, "view_phi": 0.0}
-"""0:45, light along the normal and view at 45 deg (CIE 15)."""
 
 _SPARE_BYTES = 50_000_000
 
@@ -53,6 +52,7 @@ class Capture:
         self._journal = journal
         self._plan = session.plan()
         self._rig = session.rig()
+        self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
         self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
@@ -66,7 +66,7 @@ class Capture:
         Raises
         ------
         gonio.errors.BadInputError
-            When a shot is beyond the rig's reach; nothing has moved then.
+            When the rig cannot take a shot or go from one to the next; nothing has moved then.
         gonio.errors.StorageError
             When the disk will not hold the frames.
         gonio.errors.DeviceFaultError
@@ -85,7 +85,7 @@ class Capture:
         shots = [(shot, self._missing.of_shot(shot)) for shot in self._plan.shots]
         todo = [(shot, frames) for shot, frames in shots if frames]
         total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
-        check_reach(self._plan, self._rig)
+        check_reach([shot for shot, _ in todo], self._rig)
         check_space(self._session.root, total, self._rig, self._space_remedy())
         if not total:
             return 0
@@ -95,8 +95,9 @@ class Capture:
             self._note("homed")
             self._calibrate(dark, white, counter)
             self._operator.place("sample")
-            for shot, frames in todo:
-                self._take_shot(shot, frames, counter)
+            with self._taker(counter) as taker:
+                for shot, frames in todo:
+                    self._take_shot(shot, frames, taker)
         self._note("finished")
         return total
 
@@ -112,45 +113,34 @@ class Capture:
         if not dark and not white:
             return
         self._operator.place("reference")
-        self._instrument.arm.move(WHITE_POSE_DEG)
-        self._instrument.lamps.off()
-        self._take(dark, self._session.calibration, counter)
-        self._instrument.lamps.apply(self._white_lamps())
-        self._take(white, self._session.calibration, counter)
+        self._go(WHITE_POSE_DEG)
+        self._lighting.off()
+        with self._taker(counter) as taker:
+            taker.take(dark, self._session.calibration)
+            self._lighting.apply(self._white_lamps())
+            taker.take(white, self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
         # each lamp that the plan ever lights, at its first current: the flux monitor does the rest
         settings = {lamp.n: lamp for shot in reversed(self._plan.shots) for lamp in shot.lamps}
         return tuple(settings[n] for n in sorted(settings))
 
-    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], counter: _Counter) -> None:
-        self._instrument.arm.move({name: shot.axis_deg(name) for name in AXES})
-        self._instrument.lamps.apply(shot.lamps)
-        self._take(frames, self._session.raw, counter)
+    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:
+        self._go({name: shot.axis_deg(name) for name in AXES})
+        self._lighting.apply(shot.lamps)
+        taker.take(frames, self._session.raw)
 
-    def _take(self, frames: Iterable[Wanted], folder: Path, counter: _Counter) -> None:
-        for frame in frames:
-            self._take_frame(frame, folder / frame.name)
-            counter.advance()
+    def _taker(self, counter: _Counter) -> FrameTaker:
+        return FrameTaker(self._session, self._instrument, self._journal, counter.advance)
 
-    def _take_frame(self, frame: Wanted, target: Path) -> None:
-        angles = self._instrument.arm.angles_deg()
-        before = self._instrument.camera.names()
-        exposure = self._instrument.lamps.expose(frame.exposure_s)
-        # the camera syncs file and folder before the row that vouches for them
-        self._instrument.camera.fetch(exposure.frame, before, target)
-        record = FrameRecord(
-            role=frame.role,
-            shot_index=frame.shot_index,
-            attempt=frame.attempt,
-            repeat=frame.repeat,
-            exposure_s=frame.exposure_s,
-            file=str(target.relative_to(self._session.root)),
-            sha256=sha256_file(target),
-            flux=exposure.flux,
-            **{f"{name}_deg": angle for name, angle in angles.items()},
-        )
-        self._journal.append_frame(self._instrument.clock, record)
+    def _go(self, angles_deg: Mapping[str, float]) -> None:
+        """Go from where the arms are by a way on which nothing comes too near."""
+        arm = self._instrument.arm
+        here = arm.angles_deg()
+        start, goal = ([angles[name] for name in AXES] for angles in (here, angles_deg))
+        way = free_way(start, goal, self._rig)
+        *via, last = [dict(zip(AXES, pose, strict=True)) for pose in way.poses_deg.tolist()]
+        arm.move(last, via)
 
     def _note(self, kind: str, **data: object) -> None:
         self._journal.append(self._instrument.clock, kind, **data)
@@ -170,21 +160,6 @@ class _Counter:
     def _show(self) -> None:
         if self._progress is not None:
             self._progress(self._done, self._total)
-
-
-def check_reach(plan: Plan, rig: Rig) -> None:
-    """Refuse a plan before anything moves when the rig cannot reach all of it.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        Naming the axis and its travel.
-    """
-    for name, angle in WHITE_POSE_DEG.items():
-        rig.check_reach(name, angle)
-    for shot in plan.shots:
-        for name in AXES:
-            rig.check_reach(name, shot.axis_deg(name))
 
 
 def check_space(folder: Path, frames: int, rig: Rig, remedy: str) -> None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from gonio.words import duration
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -51,20 +53,3 @@ def _lines(title: str, screen: Console) -> Report:
             screen.print(f"{title}: {done} of {total} after {duration(now - began)}")
 
     return report
-
-
-def duration(seconds: float) -> str:
-    """Say a time as a person would: 42 s, 12 min, 6 h 05 min."""
-    if seconds < 100:
-        return f"{seconds:.3g} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
-
-
-def size(count: float) -> str:
-    """Say a number of bytes as a person would: 30.1 MB."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if count < 1000:
-            return f"{count:.3g} {unit}"
-        count /= 1000
-    return f"{count:.3g} TB"

@@ -6,8 +6,9 @@ import csv
 import io
 from typing import TYPE_CHECKING, Literal
 
-from gonio.cli._console import console, duration
+from gonio.cli._console import console
 from gonio.files import write_bytes
+from gonio.words import duration
 from nnbrdf.studies.export import write_outcomes, write_table
 from nnbrdf.studies.job import METRICS
 from nnbrdf.studies.tables import column_of, tabulate

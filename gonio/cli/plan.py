@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
+from gonio.cli._scene import SceneOptions, scene_options, spared_rows
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Plan, Side
+    from gonio.plan import Estimates, Plan, Side
+    from planner.candidates import Candidates
+
+BRACKETS = ("all", "predicted")
 
 
 @click.command(name="plan")
@@ -21,7 +27,7 @@ if TYPE_CHECKING:
     metavar="DENSITY",
     default="sixth",
     show_default=True,
-    help="How many of the 81 directions on both sides: all (81), sixth (14), or a number; or the "
+    help="How many of the directions on both sides: all (81), sixth (14), or a number; or the "
     "paper's va-ia, vs-ia, va-is, vs-is: views and illumination, all or sixth.",
 )
 @click.option(
@@ -43,14 +49,46 @@ if TYPE_CHECKING:
     default="i-optimal",
     show_default=True,
     help="How directions are chosen. i-optimal: those that leave the least variance of a material "
-    "of the prior, over all pairs. farthest: each as far as can be from those before it.",
+    "of the prior, over all pairs. d-optimal: those that tell most together. Without a prior: "
+    "energy (they repel each other), farthest (each as far as can be from those before), random.",
 )
+@click.option(
+    "--weight",
+    type=click.Choice(["alike", "cosine"], case_sensitive=False),
+    default="alike",
+    show_default=True,
+    help="How much a pair counts for i-optimal: all alike, or by the cosines of both directions, "
+    "as a surface looks smaller when seen or lit at grazing angles.",
+)
+@click.option(
+    "--candidates",
+    metavar="SET",
+    default="paper-81",
+    show_default=True,
+    help="The directions to choose from: paper-81, klems (145), rings:0x1,30x8,60x16 (theta x "
+    "azimuths), fibonacci:N, or a CSV file with columns theta_deg, phi_deg.",
+)
+@click.option(
+    "--view-candidates", metavar="SET", help="The same for the views alone; before --candidates."
+)
+@click.option(
+    "--light-candidates", metavar="SET", help="The same for the lights alone; before --candidates."
+)
+@click.option(
+    "--max-theta",
+    "max_theta_deg",
+    type=float,
+    metavar="DEG",
+    help="Leave out directions of lights and views closer to grazing than that, 0 to 90.",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Of the random criterion.  [default: 0]")
 @click.option(
     "--shots",
     type=int,
     metavar="N",
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
+@scene_options
 @click.option(
     "--prior",
     "prior_path",
@@ -59,6 +97,20 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--rig", "rig_path", type=click.Path(path_type=Path), help="A rig file.  [default: built in]"
+)
+@click.option(
+    "--timing",
+    "timing_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="What the rig takes, from gonio rig bench.  [default: rig-timing.json beside the rig file "
+    "or here, if it is of this rig]",
+)
+@click.option(
+    "--bracket",
+    type=click.Choice(BRACKETS, case_sensitive=False),
+    help="Exposures of a shot. all: every one of the rig file. predicted: the fewest that "
+    "show it, however bright a material of the prior may be there.  [default: predicted where "
+    "the rig's timing was measured, else all]",
 )
 @click.option(
     "-o",
@@ -74,17 +126,44 @@ if TYPE_CHECKING:
     metavar="FILE.png",
     help="Also draw the chosen directions on the hemisphere.",
 )
+@click.option(
+    "--pareto",
+    is_flag=True,
+    help="Make no plan, but many, and say which to take: expected error against time for several "
+    "densities and criteria (or the one given), as pareto.html and pareto.csv beside -o.",
+)
+@click.option(
+    "--page/--no-page",
+    default=True,
+    show_default=True,
+    help="Write the plan's page beside it: directions, order, time, what was left out.",
+)
 def command(
     *,
     density: str,
     views: str | None,
     lights: str | None,
     criterion: str,
+    weight: str,
+    candidates: str,
+    view_candidates: str | None,
+    light_candidates: str | None,
+    max_theta_deg: float | None,
+    seed: int | None,
     shots: int | None,
+    scene: Path | None,
+    material: str | None,
+    isotropic: bool,
+    mono: bool,
+    plot_demand: Path | None,
     prior_path: Path | None,
     rig_path: Path | None,
+    timing_path: Path | None,
+    bracket: str | None,
     output: Path,
     plot: Path | None,
+    pareto: bool,
+    page: bool,
 ) -> None:
     """Choose which directions to measure, and the order that takes the arm the least time.
 
@@ -94,14 +173,26 @@ def command(
         gonio plan --shots 64                    64 pairs, each for what it adds to the others
         gonio plan --density va-is               all views, a sixth of the lights
         gonio plan --views 20 --lights 10 -o small.json
+        gonio plan --candidates fibonacci:300 --shots 196
         gonio plan --rig rig.toml --plot directions.png
+        gonio plan --bracket predicted           only the exposures that a shot may need
+        gonio plan --scene wall.toml             only what the scene asks for
+        gonio plan --pareto                      how many shots are worth their time
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from functools import partial
+
+    from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
+    from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
+    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
+    from planner.candidates import candidates_named
     from planner.density import split_density
-    from planner.make import make_plan
+    from planner.field import cosine_demand
+    from planner.make import field_within, make_plan
+    from planner.reach import reach_of
 
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
@@ -109,28 +200,75 @@ def command(
         raise BadInputError(
             "--shots chooses pairs freely; leave out --density, --views and --lights"
         )
-    if prior_path and criterion == "farthest":
-        raise BadInputError("criterion farthest knows no prior; leave out --prior")
+    use = SceneOptions(scene, material, isotropic, mono, plot_demand)
+    every = pareto and context.get_parameter_source("criterion") is ParameterSource.DEFAULT
+    if pareto and (shots is not None or views or lights or given or plot or use.given):
+        raise BadInputError(
+            "--pareto tries densities of its own; leave out --density, --views, --lights, --shots, "
+            "--scene, --isotropic and --plot"
+        )
+    rig = load_rig(rig_path) if rig_path else default_rig()
+    timing = timing_for(rig, rig_path, timing_path)
+    # how bright shots come out hangs on the camera, of which only a measurement tells
+    bracket = bracket or ("predicted" if timing else "all")
+    if pareto and not every:
+        _refuse_idle(criterion, "alike", seed, None)
+    if not pareto:
+        _refuse_idle(criterion, weight, seed, None if bracket == "predicted" else prior_path)
+        use.check(criterion, weight, output)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
         raise BadInputError(f"--plot {plot} is where the plan goes; give the picture another name")
+    page_path = output.with_suffix(".html")
+    if page and page_path in (output, plot):
+        raise BadInputError(
+            f"{page_path} is where the plan's page goes; take another, or --no-page"
+        )
     both_views, both_lights = split_density(density)
-    plan = make_plan(
-        load_rig(rig_path) if rig_path else default_rig(),
+    view_set = candidates_named(view_candidates or candidates)
+    light_set = candidates_named(light_candidates or candidates)
+    believed = cache(lambda: prior or material_prior(None))
+    settings: dict[str, Any] = {
+        "view_candidates": view_set,
+        "light_candidates": light_set,
+        "demand": cosine_demand if weight == "cosine" else None,
+        "max_theta_deg": max_theta_deg,
+        "seed": seed or 0,
+        "timing": timing,
+        "bracket": bracket,
+    }
+    if pareto:
+        settings["prior"] = believed
+        write_pareto(output.parent, None if every else criterion, rig, settings)
+        return
+    make = partial(
+        make_plan,
+        rig,
         views=views or both_views,
         lights=lights or both_lights,
         criterion=criterion,
-        shots=shots,
-        prior=lambda: prior or material_prior(None),
+        **settings,
     )
+    if use.given:
+        fewest = shots is None and not (views or lights or given)
+        field_of = partial(field_within, rig, light_set, view_set, max_theta_deg)
+        plan = use.plan(make, field_of, believed, shots, fewest=fewest)
+    else:
+        plan = make(shots=shots, prior=believed)
+    plan = use.finish(plan)
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
+    if page:
+        refused = reach_of(light_set, view_set, rig, max_theta_deg).reasons
+        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        click.echo(f"wrote {page_path}")
     if plot:
-        _draw(plan, plot)
+        _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")
+    use.draw()
 
 
 def _print_table(plan: Plan) -> None:
@@ -145,7 +283,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
-    from gonio.cli._console import duration, size
+    from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
     yield "views", str(selection.views)
@@ -153,27 +291,62 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     yield "shots", f"{shots}, {shots / selection.full_set:.1%} of the full set"
     yield "measured both ways", f"{selection.reciprocal_pairs} pairs, by reciprocity"
     if selection.variance_left is not None:
-        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance"
+        bound = selection.variance_bound
+        at_best = "" if bound is None else f"; no choice of so many leaves less than {bound:.2%}"
+        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
-    yield "estimated time", duration(estimates.total_s)
-    for name in ("moving", "settling", "exposing", "overhead"):
+        yield from spared_rows(left_out)
+    yield "estimated time", _with_interval(estimates)
+    for name in ("moving", "settling", "exposing", "overhead", "homing"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
+    yield "  timing", _timing_of(estimates)
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
     if plan.route is not None:
         yield "", f"{plan.route.moving_s:.1f} s of moves; {plan.route.bound_s:.1f} s at the least"
 
 
-def _draw(plan: Plan, path: Path) -> None:
-    from gonio.directions import from_degrees, paper_directions
+def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path | None) -> None:
+    """Refuse options that the criterion would not look at."""
+    from gonio.errors import BadInputError
+    from planner.criteria import CRITERIA, PRIOR_CRITERIA
+
+    if criterion not in CRITERIA:
+        return
+    if prior_path and criterion not in PRIOR_CRITERIA:
+        raise BadInputError(f"criterion {criterion} knows no prior; leave out --prior")
+    if weight != "alike" and criterion != "i-optimal":
+        raise BadInputError(f"criterion {criterion} weighs no pairs; leave out --weight")
+    if seed is not None and criterion != "random":
+        raise BadInputError(f"criterion {criterion} draws nothing; leave out --seed")
+
+
+def _with_interval(estimates: Estimates) -> str:
+    from gonio.words import duration
+
+    total = duration(estimates.total_s)
+    if estimates.total_hi_s is None:
+        return total
+    reach_s = estimates.total_hi_s - estimates.total_s
+    return f"{total} +- {duration(reach_s)} (5 to 95 %)"
+
+
+def _timing_of(estimates: Estimates) -> str:
+    if estimates.timing_sha256 is None:
+        return "as built in; measure yours: gonio rig bench"
+    return f"measured, sha256 {estimates.timing_sha256[:12]}"
+
+
+def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None:
+    from gonio.directions import from_degrees
     from gonio.report.hemisphere import save_hemispheres
 
-    candidates = paper_directions()
     chosen = {}
-    sides: tuple[Side, ...] = ("view", "light")
-    for name in sides:
+    sides: tuple[tuple[Side, Candidates], ...] = (("view", views), ("light", lights))
+    for name, candidates in sides:
         angles = sorted({shot.direction_deg(name) for shot in plan.shots})
         theta_deg, phi_deg = zip(*angles, strict=True)
-        chosen[f"{name}s: {len(angles)} of {len(candidates)}"] = from_degrees(theta_deg, phi_deg)
-    save_hemispheres(path, chosen, candidates)
+        title = f"{name}s: {len(angles)} of {len(candidates)}"
+        chosen[title] = from_degrees(theta_deg, phi_deg), candidates.directions
+    save_hemispheres(path, chosen)

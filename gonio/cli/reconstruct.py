@@ -211,7 +211,8 @@ def _trial(samples: Samples, session: Session | None) -> Trial:
 
 
 def _compare(recipe: Estimator, trial: Trial, folder: Path) -> None:
-    from gonio.cli._console import console, duration, progress_bar
+    from gonio.cli._console import console, progress_bar
+    from gonio.words import duration
     from nnbrdf.compare import compare, competitors
     from nnbrdf.compared import save_entries
 

@@ -54,8 +54,8 @@ def _table(samples: Samples, shots: int, seconds: float) -> Table:
     import numpy as np
     from rich.table import Table
 
-    from gonio.cli._console import duration
     from gonio.samples import Flag
+    from gonio.words import duration
 
     def count(flag: Flag) -> str:
         return str(int((samples.flag & flag.value).any(axis=1).sum()))

@@ -108,19 +108,17 @@ def _designs(counts: tuple[int, ...]) -> dict[int, NDArray[np.int64]]:
     """Return the rows of the flattened 81 x 81 grid of each number of shots."""
     import numpy as np
 
-    from gonio.directions import paper_directions
     from nnbrdf.prior import MaterialPrior
-    from planner.criteria import IOptimal
+    from planner.field import paper_field
+    from planner.optimal import IOptimal
 
-    every = np.ones((81, 81), bool)
-    criterion = IOptimal(paper_directions(), MaterialPrior.generate)
+    field = paper_field()
+    criterion = IOptimal(MaterialPrior.generate)
     designs = {}
     for count in counts:
-        if count == every.size:
-            measured = every
-        elif count == 1134:
-            measured = criterion.product(every, 81, 14).measured
+        if count == 1134:
+            choice = criterion.product(field, lights=14, views=81)
         else:
-            measured = criterion.pairs(every, count).measured
-        designs[count] = np.flatnonzero(measured)
+            choice = criterion.pairs(field, count)
+        designs[count] = np.flatnonzero(choice.measured)
     return designs

@@ -6,15 +6,17 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from gonio.approach import first_stop_deg
+from gonio.clearance import limits_of
 from gonio.devices.axis import AxisDrive
 from gonio.devices.registers import DriveRegisters
 from gonio.devices.waiting import wait_until
 from gonio.errors import BadInputError, DeviceFaultError, GonioError
 from gonio.profiles import load_profile
 from gonio.rig import AXES
+from gonio.swept import START_SKEW_S
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from gonio.clock import Clock
     from gonio.rig import Rig
@@ -66,8 +68,13 @@ class Arm:
             for axis in self._axes.values():
                 axis.enable()
 
-    def home(self) -> None:
+    def home(self, anew: Collection[str] = ()) -> None:
         """Home all axes that do not know their position, at once.
+
+        Parameters
+        ----------
+        anew
+            Names of axes to home though they know it.
 
         Raises
         ------
@@ -77,19 +84,25 @@ class Arm:
         with self._stopped_on_fault():
             timeout_s = self._rig.arm.homing_timeout_s
             deadline_s = self._clock.now() + timeout_s
-            waiting = [axis for axis in self._axes.values() if axis.begin_homing()]
+            waiting = [
+                axis for name, axis in self._axes.items() if axis.begin_homing(anew=name in anew)
+            ]
             while waiting := [axis for axis in waiting if not axis.has_homed()]:
                 if self._clock.now() >= deadline_s:
                     raise waiting[0].fault(f"is not home after {timeout_s:g} s")
                 self._clock.sleep(_HOMING_POLL_S)
 
-    def move(self, angles_deg: Mapping[str, float]) -> None:
+    def move(
+        self, angles_deg: Mapping[str, float], via: Sequence[Mapping[str, float]] = ()
+    ) -> None:
         """Move axes together and wait until they are in position and still.
 
         Parameters
         ----------
         angles_deg
             Angle in degrees by the axis' name; axes that are not named stay.
+        via
+            Angles to pass first, one after the other, without waiting until the arm is still.
 
         Raises
         ------
@@ -98,16 +111,35 @@ class Arm:
         gonio.errors.DeviceFaultError
             When an axis is not homed, a drive refuses or fails, or the arm does not get still.
         """
-        for name, angle in angles_deg.items():
-            if name not in self._axes:
-                raise BadInputError(f"there is no axis {name!r}; use {', '.join(AXES)}")
-            self._rig.check_reach(name, angle)
+        self.go(angles_deg, via)
+        self.settle(angles_deg)
+
+    def go(self, angles_deg: Mapping[str, float], via: Sequence[Mapping[str, float]] = ()) -> None:
+        """Move as `move` does, and wait until the axes are in position, however they shake."""
+        for angles in (*via, angles_deg):
+            self._check_reach(angles)
         with self._stopped_on_fault():
+            for angles in via:
+                self._go(angles)
             detours = self._detours(angles_deg)
             if detours:
                 self._go({**angles_deg, **detours})
             self._go({name: angles_deg[name] for name in detours or angles_deg})
+
+    def settle(self, angles_deg: Mapping[str, float]) -> None:
+        """Wait until the arms of the axes named are still.
+
+        Raises
+        ------
+        gonio.errors.DeviceFaultError
+            When one does not get still.
+        """
+        with self._stopped_on_fault():
             self._settle(angles_deg)
+
+    def shaking_urad(self, name: str) -> int:
+        """Return the residual vibration of the arm of an axis; 65535 while it moves."""
+        return self._axes[name].settle_urad()
 
     def angles_deg(self) -> dict[str, float]:
         """Return where all axes are by their encoders, in degrees."""
@@ -127,29 +159,50 @@ class Arm:
         """Disable all axes (errors as for `stop`)."""
         self._each(AxisDrive.release)
 
+    def _check_reach(self, angles_deg: Mapping[str, float]) -> None:
+        for name, angle in angles_deg.items():
+            if name not in self._axes:
+                raise BadInputError(f"there is no axis {name!r}; use {', '.join(AXES)}")
+            self._rig.check_reach(name, angle)
+
     def _detours(self, angles_deg: Mapping[str, float]) -> dict[str, float]:
         """Return where axes that are approached from one side go first."""
         detours = {}
         for name, angle in angles_deg.items():
             axis = self._axes[name]
-            stop = float(first_stop_deg(axis.degrees(), angle, axis.spec))
-            if stop != angle:
-                detours[name] = stop
+            start = float(first_stop_deg(axis.degrees(), angle, axis.spec))
+            if start != angle:
+                detours[name] = start
         return detours
 
     def _go(self, angles_deg: Mapping[str, float]) -> None:
-        expected_s = [self._axes[name].begin_move(angle) for name, angle in angles_deg.items()]
+        axes = [self._axes[name] for name in angles_deg]
+        expected_s = [self._axes[name].prepare_move(angle) for name, angle in angles_deg.items()]
         longest_s = max(expected_s, default=0.0)
         began_s = self._clock.now()
+        # one right after the other: what the arms sweep hangs on it
+        for axis in axes:
+            axis.start_move()
+        self._check_started_together(self._clock.now() - began_s)
+        for axis in axes:
+            axis.check_started()
         deadline_s = began_s + _SLACK * longest_s + _SLACK_S
-        underway = [self._axes[name] for name in angles_deg]
-        while underway := [axis for axis in underway if not axis.has_arrived()]:
+        while axes := [axis for axis in axes if not axis.has_arrived()]:
             now = self._clock.now()
             if now >= deadline_s:
-                late = underway[0]
+                late = axes[0]
                 raise late.fault(f"did not arrive within {now - began_s:.1f} s")
             left_s = began_s + longest_s - now
             self._clock.sleep(min(max(left_s, _FINE_POLL_S), _COARSE_POLL_S))
+
+    def _check_started_together(self, took_s: float) -> None:
+        """Refuse starts so far apart that the arms may leave the way that was found clear."""
+        if took_s > START_SKEW_S and limits_of(self._rig):
+            raise DeviceFaultError(
+                f"the axes started within {took_s:.3g} s, and ways clear of arm.keep_out and "
+                f"arm.min_separation_deg need {START_SKEW_S:g} s; look for what delays the bus, "
+                "then resume"
+            )
 
     def _settle(self, angles_deg: Mapping[str, float]) -> None:
         # both axes of an arm report the vibration at its end

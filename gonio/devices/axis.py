@@ -48,10 +48,13 @@ class AxisDrive(Drive):
         """Return the residual vibration of the axis' arm."""
         return self._registers.read("settle_urad")
 
-    def begin_homing(self) -> bool:
-        """Start homing, unless the position is known; return whether it was started."""
+    def begin_homing(self, *, anew: bool = False) -> bool:
+        """Start homing, unless the position is known and not to be found anew.
+
+        Returns whether it was started.
+        """
         self._set_mode(HOMING)
-        self.homed = self._knows_position()
+        self.homed = self._knows_position() and not anew
         if self.homed:
             self._set_mode(PROFILE_POSITION)
             return False
@@ -75,8 +78,8 @@ class AxisDrive(Drive):
             self._set_mode(PROFILE_POSITION)
         return self.homed
 
-    def begin_move(self, degrees: float) -> float:
-        """Give the drive a set-point.
+    def prepare_move(self, degrees: float) -> float:
+        """Give the drive its next set-point, which it takes on `start_move`.
 
         Returns
         -------
@@ -86,7 +89,7 @@ class AxisDrive(Drive):
         Raises
         ------
         gonio.errors.DeviceFaultError
-            When the axis is not homed or the drive refuses.
+            When the axis is not homed or the drive is not enabled.
         """
         if not self.homed:
             raise DeviceFaultError(f"{self.name}: is not homed, so it is not moved; home it first")
@@ -96,12 +99,24 @@ class AxisDrive(Drive):
         self._registers.write("controlword", ENABLE_OPERATION)
         self._registers.write("watchdog_ms", _WATCHDOG_MS)
         self._registers.write("target_position", self.spec.to_counts(degrees))
+        return float(move_time(way_deg, self.spec))
+
+    def start_move(self) -> None:
+        """Start towards the set-point."""
         self._registers.write("controlword", START)
+
+    def check_started(self) -> None:
+        """Make sure that the drive has taken the set-point.
+
+        Raises
+        ------
+        gonio.errors.DeviceFaultError
+            When it refuses.
+        """
         # the first read after the edge decides, whatever bit 11 says
         if not self._status_in_operation() & ACKNOWLEDGED:
-            raise self.fault(f"the drive refused {degrees:.3f} deg")
+            raise self.fault(f"the drive refused {self._target_deg:.3f} deg")
         self._registers.write("controlword", ENABLE_OPERATION)
-        return float(move_time(way_deg, self.spec))
 
     def has_arrived(self) -> bool:
         """Return whether the set-point is reached, by the drive and by the encoder.

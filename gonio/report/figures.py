@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 INK, MUTED, LINE = "#1b1f24", "#66707a", "#d5dae0"
 ACCENT, TRUTH = "#2f6fb5", "#c2571a"
 CHANNELS = ("#c8412f", "#2f8f4e", "#2f6fb6")
+SERIES = tuple(zip((ACCENT, TRUTH, CHANNELS[1], CHANNELS[0], INK, MUTED), "osD^vP", strict=True))
+"""Colors and marks that tell lines or points apart, in their order."""
 
 # what stands in the SVG, and the page's own name for it; light and dark mode give them values
 _VARIABLES = {

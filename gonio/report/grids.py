@@ -38,11 +38,12 @@ class Grid:
 
 @dataclass(frozen=True)
 class Section:
-    """One material."""
+    """One material; its drawings one below the other where they are broad."""
 
     title: str
     drawings: tuple[Drawing, ...]
     grids: tuple[Grid, ...]
+    broad: bool = False
 
 
 def number(value: float | None, digits: int) -> str:

@@ -35,6 +35,11 @@ def draw_hemisphere(axes: PolarAxes, chosen: ArrayLike, candidates: ArrayLike, t
     """
     axes.scatter(*_polar(candidates), s=14, facecolors="none", edgecolors="0.6", linewidths=0.8)
     axes.scatter(*_polar(chosen), s=34, color="tab:blue", zorder=3)
+    face_hemisphere(axes, title)
+
+
+def face_hemisphere(axes: PolarAxes, title: str) -> None:
+    """Label polar axes whose radius is theta in degrees, and whose angle is phi."""
     axes.set_rlim(0.0, 90.0)
     axes.set_rgrids(_RINGS_DEG, [f"{ring}°" for ring in _RINGS_DEG], angle=7.5)
     axes.tick_params(labelsize="x-small", colors="0.4")
@@ -42,7 +47,7 @@ def draw_hemisphere(axes: PolarAxes, chosen: ArrayLike, candidates: ArrayLike, t
     axes.set_title(title, fontsize="medium", pad=4)
 
 
-def save_hemispheres(path: Path, chosen: Mapping[str, ArrayLike], candidates: ArrayLike) -> None:
+def save_hemispheres(path: Path, chosen: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> None:
     """Write a PNG with one hemisphere beside the other.
 
     Parameters
@@ -50,9 +55,7 @@ def save_hemispheres(path: Path, chosen: Mapping[str, ArrayLike], candidates: Ar
     path
         The file, replaced if there.
     chosen
-        Unit vectors, shape (n, 3), by title.
-    candidates
-        Unit vectors, shape (m, 3).
+        Unit vectors that were chosen, shape (n, 3), and all that could be, (m, 3), by title.
 
     Raises
     ------
@@ -66,7 +69,7 @@ def save_hemispheres(path: Path, chosen: Mapping[str, ArrayLike], candidates: Ar
     figure = Figure(figsize=(4.5 * len(chosen), 4.9), layout="constrained")
     every = figure.subplots(1, len(chosen), squeeze=False, subplot_kw={"projection": "polar"})
     for axes, (title, directions) in zip(every[0], chosen.items(), strict=True):
-        draw_hemisphere(axes, directions, candidates, title)
+        draw_hemisphere(axes, *directions, title)
     # no software version in the file: the same plan gives the same bytes
     write_with(
         path,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gonio.report.figures import ACCENT, INK, MUTED, label_decades, new_figure
+from gonio.report.figures import ACCENT, INK, MUTED, SERIES, label_decades, new_figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,15 +21,17 @@ _LABEL_PT = 7.0
 _WIDTH_OF_LETTER = 0.56
 _REACH_PT = (5.0, 12.0, 20.0, 30.0, 42.0, 56.0)
 _SIDES = 16
+_LEAST, _LEAST_SHARE = 1e-6, 1e-4
 
 
 @dataclass(frozen=True)
 class Point:
-    """One competitor: its name, its seconds and its error, both above zero."""
+    """One competitor: its name, its seconds and its error, neither below zero; its kind, if any."""
 
     name: str
     seconds: float
     error: float
+    group: str = ""
 
 
 def draw_pareto(
@@ -36,24 +39,33 @@ def draw_pareto(
     error_name: str,
     time_name: str,
     size_in: tuple[float, float] = (5.4, 4.0),
+    knee: Point | None = None,
 ) -> Figure:
     """Draw error against time on logarithmic axes; nobody beats those on the line in both.
 
     Parameters
     ----------
     points
-        At least one.
+        At least one. What is less than a ten-thousandth of the largest is drawn there, since a
+        logarithmic axis has no zero.
     error_name, time_name
         What the axes say.
     size_in
         Width and height: the fewer the points, the smaller, and the larger what is written.
+    knee
+        The one to mark.
     """
     figure = new_figure(*size_in)
     axes = figure.subplots()
+    points = _off_zero(points)
     best = pareto_front(points)
-    seconds, errors = ([getattr(p, field) for p in points] for field in ("seconds", "error"))
-    axes.plot(seconds, errors, "o", color=MUTED, markersize=4)
-    axes.plot([p.seconds for p in best], [p.error for p in best], "o-", color=ACCENT, markersize=5)
+    _draw_points(axes, points, best)
+    if knee:
+        axes.plot(
+            knee.seconds, knee.error, "o", markersize=12, markerfacecolor="none",
+            markeredgecolor=INK, markeredgewidth=1.2,
+        )  # fmt: skip
+    seconds, errors = _places(points)
     for axis, values in (("x", seconds), ("y", errors)):
         _scale(axes, axis, values)
     axes.set_xlabel(time_name)
@@ -64,6 +76,24 @@ def draw_pareto(
     return figure
 
 
+def _draw_points(axes: Axes, points: Sequence[Point], best: Sequence[Point]) -> None:
+    """Draw the points, each kind in a color of its own if there are several, and the line."""
+    groups = list(dict.fromkeys(point.group for point in points))
+    if len(groups) == 1:
+        axes.plot(*_places(points), "o", color=MUTED, markersize=4)
+        axes.plot(*_places(best), "o-", color=ACCENT, markersize=5)
+        return
+    axes.plot(*_places(best), "-", color=MUTED, linewidth=0.8, zorder=1)
+    for group, (color, mark) in zip(groups, cycle(SERIES), strict=False):
+        of_group = [point for point in points if point.group == group]
+        axes.plot(*_places(of_group), mark, color=color, markersize=4.5, label=group)
+    axes.legend(fontsize=_LABEL_PT)
+
+
+def _places(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    return [point.seconds for point in points], [point.error for point in points]
+
+
 def pareto_front(points: Sequence[Point]) -> list[Point]:
     """Return the points that no other beats in both time and error, by time."""
     front: list[Point] = []
@@ -71,6 +101,18 @@ def pareto_front(points: Sequence[Point]) -> list[Point]:
         if not front or point.error < front[-1].error:
             front.append(point)
     return front
+
+
+def _off_zero(points: Sequence[Point]) -> list[Point]:
+    """Return points that a logarithmic axis can show, and that leave room for the others."""
+    least_seconds, least_error = (
+        max(_LEAST, _LEAST_SHARE * max(getattr(p, field) for p in points))
+        for field in ("seconds", "error")
+    )
+    return [
+        replace(p, seconds=max(p.seconds, least_seconds), error=max(p.error, least_error))
+        for p in points
+    ]
 
 
 def _scale(axes: Axes, axis: str, values: Sequence[float]) -> None:

@@ -6,17 +6,7 @@ from statistics import mean
 from typing import TYPE_CHECKING
 
 from gonio.report.drawings import Drawing
-from gonio.report.figures import (
-    ACCENT,
-    CHANNELS,
-    INK,
-    MUTED,
-    TRUTH,
-    inline_svg,
-    label_decades,
-    new_figure,
-    page_style,
-)
+from gonio.report.figures import SERIES, inline_svg, label_decades, new_figure, page_style
 from gonio.report.grids import Grid, Line, Section, identifier
 from gonio.report.pareto import Point, draw_pareto
 
@@ -27,8 +17,6 @@ if TYPE_CHECKING:
 
     from nnbrdf.studies.shots import Shot
 
-_COLORS = (ACCENT, TRUTH, CHANNELS[1], CHANNELS[0], INK, MUTED)
-_MARKS = "osD^vP"
 _GRID = 81 * 81 * 3
 
 
@@ -102,7 +90,7 @@ def _draw(
 ) -> Figure:
     figure = new_figure(5.4, 4.0)
     axes = figure.subplots()
-    for method, color, mark in zip(methods, _COLORS, _MARKS, strict=False):
+    for method, (color, mark) in zip(methods, SERIES, strict=False):
         errors = [mean(getattr(s, metric) for s in table[method, count]) for count in counts]
         axes.plot(counts, errors, color=color, marker=mark, markersize=4, label=method)
     axes.set_xscale("log")

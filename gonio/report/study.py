@@ -89,6 +89,7 @@ def write_study(
     about: str,
     sections: Sequence[Section],
     notes: Sequence[tuple[str, str]],
+    eyebrow: str = "gonio study",
 ) -> None:
     """Write the page, whole or not at all.
 
@@ -102,6 +103,8 @@ def write_study(
         What it found.
     notes
         How it was made, each with its name; command, date and machine come by themselves.
+    eyebrow
+        Which command it is of.
 
     Raises
     ------
@@ -118,8 +121,8 @@ def write_study(
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     content = {
-        "title": title, "about": about, "sections": sections, "notes": [*notes, *made_by()],
-        "versions": versions(),
+        "eyebrow": eyebrow, "title": title, "about": about, "sections": sections,
+        "notes": [*notes, *made_by()], "versions": versions(),
     }  # fmt: skip
     page = environment.get_template("study.html").render(content)
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
@@ -152,14 +155,18 @@ def _race_grid(subset: str, results: Sequence[Result]) -> Grid:
     lines = tuple(
         Line(
             (
-                one.name, str(one.numbers), f"{one.scores.eps8:.2f}", f"{one.scores.male:.3f}",
-                f"{one.scores.cube_root_rmse:.4f}", f"{one.scores.sphere_psnr_db:.1f}",
-                f"{one.fit_seconds:.3f}", f"{one.million_seconds:.3f}",
+                one.name,
+                str(one.numbers),
+                # times have as many digits as one another
+                *(
+                    number(cell, DIGITS.get(name, DIGITS["seconds"]))
+                    for name, cell in one.cells().items()
+                ),
             ),
-            best=one is results[0],
+            best=one is results[0] and math.isfinite(one.scores.male),
         )
         for one in results
-    )  # fmt: skip
+    )
     return Grid(f"{subset}, best male first", head, lines)
 
 

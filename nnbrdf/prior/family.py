@@ -190,6 +190,18 @@ class Family:
             exchange_variance(traits.pairs, isotropic=self.isotropic),
         )
 
+    def expected(self, pairs: Pairs, settings: Settings) -> tuple[Array, Array]:
+        """Return mean and variance of ln(BRDF + 0.01 white) in 1/sr at pairs, shape (n,) each.
+
+        The scale is that of the examples' whites, taken as independent of the shape: among the
+        examples those with strong highlights are dark, which real materials need not be.
+        """
+        traits, scale = self.traits(pairs), np.log(self.white)
+        middle = scale @ self.weights
+        spread = self.weights @ (scale - middle) ** 2
+        variance = self.variances(traits).total(settings) - EXPOSURE + spread
+        return traits.mean + middle, variance + settings.noise
+
     def _of_examples(self, a: Traits, b: Traits) -> Array:
         total = a.examples @ b.examples.T
         total += EXPOSURE
@@ -216,18 +228,26 @@ def grid_pairs() -> Pairs:
 
 
 def pivoted_cholesky(diagonal: Array, column: Callable[[int], Array], rank: int) -> Array:
-    """Return a factor of a covariance from few of its columns, shape (n, rank or fewer).
+    """Return a factor of a covariance from few of its columns, shape (n, rank or fewer)."""
+    return pivots_and_factor(diagonal, column, rank)[1]
+
+
+def pivots_and_factor(
+    diagonal: Array, column: Callable[[int], Array], rank: int
+) -> tuple[NDArray[np.int64], Array]:
+    """Return which columns of a covariance tell most, and the factor that they make.
 
     Harbrecht, Peters and Schneider (2012), algorithm 1: each step takes the column of the largest
     variance left.
     """
     left = diagonal.copy()
     factor = np.zeros((len(left), min(rank, len(left))))
+    pivots = np.zeros(factor.shape[1], np.int64)
     for step in range(factor.shape[1]):
-        pivot = int(np.argmax(left))
+        pivots[step] = pivot = int(np.argmax(left))
         if left[pivot] <= _NOTHING * diagonal.max():
-            return factor[:, :step]
+            return pivots[:step], factor[:, :step]
         rest = column(pivot) - factor[:, :step] @ factor[pivot, :step]
         factor[:, step] = rest / np.sqrt(left[pivot])
         left = (left - factor[:, step] ** 2).clip(0.0)
-    return factor
+    return pivots, factor

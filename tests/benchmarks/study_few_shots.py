@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from gonio.directions import paper_directions
 from gonio.materials import MeasuredTable
 from gonio.samples import Samples
 from nnbrdf.ensemble import Ensemble
@@ -28,10 +27,11 @@ from nnbrdf.paper import PaperEstimator
 from nnbrdf.prior import MaterialPrior
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.teaching import TaughtEstimator
-from planner.criteria import IOptimal
+from planner.field import paper_field
+from planner.optimal import IOptimal
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from nnbrdf.model import NNBRDF
 
@@ -64,12 +64,11 @@ def main() -> None:
 
 
 def choose(prior: MaterialPrior) -> dict[str, np.ndarray]:
-    judge: Callable[[], MaterialPrior] = lambda: prior  # noqa: E731
-    criterion, every = IOptimal(paper_directions(), judge), np.ones((81, 81), bool)
+    criterion, field = IOptimal(lambda: prior), paper_field()
     return {
-        "196 free": criterion.pairs(every, 196).measured,
-        "14 x 14": criterion.product(every, 14, 14).measured,
-        "64 free": criterion.pairs(every, 64).measured,
+        "196 free": criterion.pairs(field, 196).measured,
+        "14 x 14": criterion.product(field, 14, 14).measured,
+        "64 free": criterion.pairs(field, 64).measured,
     }
 
 

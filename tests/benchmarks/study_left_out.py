@@ -15,14 +15,14 @@ from pathlib import Path
 import click
 import numpy as np
 
-from gonio.directions import paper_directions
 from gonio.materials import MeasuredTable
 from gonio.samples import Samples
 from nnbrdf.compare import Trial, competitors
 from nnbrdf.compared import DEFAULT, GENERAL
 from nnbrdf.prior import MaterialPrior
 from nnbrdf.prior.family import grid_pairs
-from planner.criteria import IOptimal
+from planner.field import paper_field
+from planner.optimal import IOptimal
 
 SHOTS, SIGMA = 196, 0.003
 ROW = "| {:30s} | {:>12s} | {:>11s} | {:>11s} | {:>27s} |"
@@ -34,8 +34,7 @@ def main() -> None:
     folder = parser.parse_args().folder
     prior = MaterialPrior.generate()
     estimators = [competitors(prior)[name] for name in (DEFAULT, GENERAL)]
-    every = np.ones((81, 81), bool)
-    rows = np.flatnonzero(IOptimal(paper_directions(), lambda: prior).pairs(every, SHOTS).measured)
+    rows = np.flatnonzero(IOptimal(lambda: prior).pairs(paper_field(), SHOTS).measured)
     click.echo(ROW.format("material", "weights", "fit (s)", "eval. (ms)", "eps8 / male"))
     found = []
     for path in sorted(folder.glob("*.npz")):

@@ -19,5 +19,6 @@ def test_discs_lie_at_azimuth_and_theta():
 def test_the_same_directions_give_the_same_file(tmp_path):
     candidates = paper_directions()
     for name in ("a.png", "b.png"):
-        save_hemispheres(tmp_path / name, {"x": candidates[:9], "y": candidates[9:]}, candidates)
+        chosen = {"x": (candidates[:9], candidates), "y": (candidates[9:], candidates)}
+        save_hemispheres(tmp_path / name, chosen)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

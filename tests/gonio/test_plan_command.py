@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -30,7 +32,7 @@ def test_the_file_and_the_table_agree(gonio, tmp_path, options, views, lights, s
     moving_s, bound_s = plan.route.moving_s, plan.route.bound_s
     assert f"{moving_s:.1f} s of moves; {bound_s:.1f} s at the least" in result.stdout
     assert 0.95 * moving_s < bound_s <= moving_s
-    for word in ("moving", "settling", "exposing", "overhead", "storage", "not chosen"):
+    for word in ("moving", "settling", "exposing", "overhead", "homing", "storage", "not chosen"):
         assert word in result.stdout
 
 
@@ -49,10 +51,10 @@ def test_the_plan_is_what_others_expect_to_read(gonio, tmp_path):
 def test_a_plan_that_is_there_is_replaced_and_again_the_same(gonio, tmp_path):
     (tmp_path / "plan.json").write_text("old")
     assert gonio("plan", "--density", "2").returncode == 0
-    first = (tmp_path / "plan.json").read_bytes()
+    first = [(tmp_path / name).read_bytes() for name in ("plan.json", "plan.html")]
     assert gonio("plan", "--density", "2").returncode == 0
-    assert (tmp_path / "plan.json").read_bytes() == first
-    assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
+    assert [(tmp_path / name).read_bytes() for name in ("plan.json", "plan.html")] == first
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.html", "plan.json"]
 
 
 def test_a_refused_plan_leaves_the_old_one(gonio, tmp_path):
@@ -62,10 +64,10 @@ def test_a_refused_plan_leaves_the_old_one(gonio, tmp_path):
 
 
 def test_a_rig_of_ones_own(gonio, tmp_path):
-    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 20.0")
+    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 100.0")
     (tmp_path / "rig.toml").write_text(text)
     result = gonio("plan", "--rig", "rig.toml")
-    assert "closer than 20 deg (arm.min_separation_deg)" in result.stdout
+    assert "closer than 100 deg (arm.min_separation_deg)" in result.stdout
     assert len(Plan.load(tmp_path / "plan.json").shots) < 196
 
 
@@ -78,3 +80,30 @@ def test_the_plot_shows_the_chosen_directions(gonio, tmp_path):
         image = imread(tmp_path / "d.png")
         blue.append(int(np.sum(image[..., 2] > image[..., 0] + 0.3)))
     assert 5 < blue[1] / blue[0] < 20
+
+
+def test_the_page_lies_beside_the_plan_unless_told(gonio, tmp_path):
+    result = gonio("plan", "--density", "2", "-o", "deep/p.json")
+    assert "wrote deep/p.html" in result.stdout
+    assert "4 shots in" in (tmp_path / "deep/p.html").read_text()
+    assert gonio("plan", "--density", "2", "--no-page", "-o", "q.json").returncode == 0
+    assert not (tmp_path / "q.html").exists()
+
+
+def test_a_plan_called_html_has_no_room_for_its_page(gonio, tmp_path):
+    result = gonio("plan", "--density", "2", "-o", "plan.html")
+    assert result.returncode == 2
+    assert "--no-page" in result.stderr
+    assert not list(tmp_path.iterdir())
+    assert gonio("plan", "--density", "2", "--no-page", "-o", "plan.html").returncode == 0
+
+
+def test_planning_leaves_torch_alone(tmp_path):
+    code = (
+        "import sys\n"
+        "from gonio.cli.plan import command\n"
+        "command(['--density', '2', '-o', sys.argv[1]], standalone_mode=False)\n"
+        "sys.exit('torch' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "p.json")], check=False)
+    assert done.returncode == 0

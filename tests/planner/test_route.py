@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gonio.directions import from_degrees
-from planner import search
+from planner import local_search
 from planner.construct import nearest_neighbour
 from planner.metric import TimeMetric
 from planner.route import plan_route
@@ -132,7 +132,7 @@ def test_a_route_goes_round_what_is_blocked(angles_deg, data):
     pairs = st.tuples(st.sampled_from(poses), st.sampled_from(poses))
     slow = data.draw(st.dictionaries(pairs, st.sampled_from([0.5, 30.0, 1e4]), max_size=6))
     way_s = Blocked(rig, slow)
-    route = plan_route(angles_deg, rig, way_s)
+    route = plan_route(angles_deg, rig, way_s=way_s)
     stands = stands_deg(angles_deg, route)
     true_s = sum(way_s.one(a, b) for a, b in itertools.pairwise(stands))
     assert route.moving_s == pytest.approx(true_s)
@@ -143,7 +143,7 @@ def test_a_route_goes_round_what_is_blocked(angles_deg, data):
 def test_only_moves_of_good_routes_are_asked_for():
     angles_deg = np.random.default_rng(5).uniform(1, 75, (80, 4)).round()
     way_s = Blocked(RIG, {})
-    free, asked = plan_route(angles_deg, RIG), plan_route(angles_deg, RIG, way_s)
+    free, asked = plan_route(angles_deg, RIG), plan_route(angles_deg, RIG, way_s=way_s)
     assert asked.moving_s <= free.moving_s
     assert way_s.asked < 2 * len(angles_deg)
 
@@ -155,7 +155,7 @@ def test_a_way_that_there_is_not_is_not_taken():
         steps = np.abs(goals_deg[:, 1] - starts_deg[:, 1])
         return np.where((steps > 0) & (steps < 15), np.inf, 1.0)
 
-    route = plan_route(angles_deg, RIG, way_s)
+    route = plan_route(angles_deg, RIG, way_s=way_s)
     assert np.isfinite(route.moving_s)
 
 
@@ -164,7 +164,7 @@ def test_without_a_compiler_routes_are_longer_but_routes(monkeypatch):
     for rig in (RIG, RIGS["one-sided approach"]):
         compiled = plan_route(angles_deg, rig)
         with monkeypatch.context() as patch:
-            patch.setattr(search, "_route", None)
+            patch.setattr(local_search, "_route", None)
             route = plan_route(angles_deg, rig)
         assert "NumPy" in route.method
         assert "NumPy" not in compiled.method

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gonio.capture.run import check_reach, check_space
+from gonio.capture import check_reach, check_space
 from gonio.capture.wanted import Missing
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
@@ -86,7 +86,7 @@ def test_a_plan_out_of_reach_is_refused_by_axis(plan):
     data = default_rig().model_dump()
     data["axis"]["view_theta"]["max_deg"] = 50.0
     with pytest.raises(BadInputError, match=r"view_theta \d+ deg.*-1 to 50 deg"):
-        check_reach(make_plan(default_rig(), views=81, lights=1), Rig.model_validate(data))
+        check_reach(make_plan(default_rig(), views=81, lights=1).shots, Rig.model_validate(data))
 
 
 def test_a_disk_too_small_is_refused_before_anything_moves(tmp_path, monkeypatch):

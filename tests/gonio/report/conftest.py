@@ -1,3 +1,5 @@
+import re
+from html.parser import HTMLParser
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +20,65 @@ from planner.make import make_plan
 class Measured(NamedTuple):
     session: Session
     samples: Samples
+
+
+VOID = {"meta", "img", "br", "link", "input"}
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and all text outside of style."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.lines, self._open = [], [], []
+        self.feed(text)
+        assert not self._open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def handle_data(self, data):
+        if "style" not in self._open and data.strip():
+            self.lines.append(data.strip())
+
+    @property
+    def text(self):
+        return "\n".join(self.lines)
+
+    def values(self, *names):
+        return [value for _, attrs in self.tags for name, value in attrs.items() if name in names]
+
+
+@pytest.fixture
+def standalone():
+    """Parse a page of which nothing is fetched, nothing runs, and what refers finds its place."""
+    return check_alone
+
+
+def check_alone(text):
+    """Nothing is fetched, nothing runs, and what refers within the page finds its place."""
+    page = Page(text)
+    names = {tag for tag, _ in page.tags}
+    assert not names & {"script", "link", "iframe", "object", "embed", "base", "form"}
+    assert not [name for _, attrs in page.tags for name in attrs if name.startswith("on")]
+    assert all(value.startswith("data:image/png;base64,") for value in page.values("src"))
+    links = page.values("href", "xlink:href")
+    inside = [link for link in links if not link.startswith("data:image/png;base64,")]
+    ids = page.values("id")
+    assert len(ids) == len(set(ids))
+    within = re.findall(r"url\(([^)]*)\)", text)
+    assert {link.removeprefix("#") for link in [*inside, *within]} <= set(ids)
+    assert "@import" not in text
+    assert not re.search(r"<[^>]*https?://", text)
+    return page
 
 
 def a_truth(rng):

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.bound import assignment_bound_s, bound_s, nearest_bound_s
+from planner.local_search import tree_bound_s
 from planner.metric import TimeMetric
 from planner.places import Places
-from planner.search import tree_bound_s
+from planner.route_bound import assignment_bound_s, bound_s, nearest_bound_s
 
 from .rigs import RIG, WIDE, between_s, least_s, rig_of
 

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import _route
+from planner.local_search import improve
 from planner.metric import TimeMetric
 from planner.places import Places
-from planner.search import improve
 
 from .rigs import WIDE, rig_of
 

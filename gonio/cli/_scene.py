@@ -1,0 +1,169 @@
+"""What `gonio plan` does with a scene: read it, plan for it, say what that spares, draw it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gonio.errors import BadInputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from gonio.plan import LeftOut, Plan
+    from gonio.protocols import Prior
+    from planner.field import Field
+    from planner.make import Omission
+    from planner.scene.pairs import LocalPairs
+    from planner.scene.sparing import Maker
+
+_TRACED = ".xml"
+_OPTIONS = (
+    click.option(
+        "--scene",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="How the material will be used: a scene file (docs/topics/scenes.md), or a Mitsuba "
+        "scene (.xml, with --material). Without --shots, --density, --views and --lights: as few "
+        "shots as know what the scene asks for as well as the default plan would.",
+    ),
+    click.option("--material", metavar="NAME", help="The material's id in a Mitsuba scene."),
+    click.option(
+        "--isotropic",
+        is_flag=True,
+        help="The material has no grain: only the difference of the azimuths counts. Planned as "
+        "for a scene; without one all pairs count alike.",
+    ),
+    click.option("--mono", is_flag=True, help="Color does not count; the plan says what it saves."),
+    click.option(
+        "--plot-demand",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE.png",
+        help="Also draw what the scene asks for.",
+    ),
+)
+
+
+def scene_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options of `SceneOptions`."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """What the command line says of the use of a material, checked.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        For options that do not go together.
+    """
+
+    scene: Path | None
+    material: str | None
+    isotropic: bool
+    mono: bool
+    plot_demand: Path | None
+
+    def __post_init__(self) -> None:
+        if self.plot_demand and not self.scene:
+            raise BadInputError("--plot-demand draws what a scene asks for; give --scene")
+        traced = self.scene is not None and self.scene.suffix.lower() == _TRACED
+        if self.material is not None and not traced:
+            raise BadInputError("--material is one of a Mitsuba scene; give --scene FILE.xml")
+        if traced and self.material is None:
+            raise BadInputError(f"{self.scene}: of which material? name its id with --material")
+
+    @property
+    def given(self) -> bool:
+        """Whether they change which pairs count."""
+        return self.scene is not None or self.isotropic
+
+    def check(self, criterion: str, weight: str, output: Path) -> None:
+        """Refuse what does not go with the other options of the command.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            Saying which.
+        """
+        if self.given and criterion != "i-optimal":
+            raise BadInputError(
+                f"criterion {criterion} does not ask what counts; use i-optimal, or leave out "
+                "--scene and --isotropic"
+            )
+        if self.given and weight != "alike":
+            raise BadInputError(
+                "--scene and --isotropic say how much a pair counts; leave out --weight"
+            )
+        if self.plot_demand and self.plot_demand.resolve() == output.resolve():
+            raise BadInputError(
+                f"--plot-demand {output} is where the plan goes; give the picture another name"
+            )
+
+    @cached_property
+    def pairs(self) -> LocalPairs | None:
+        """What the scene asks for; None without one."""
+        from planner.scene.pairs import sample_pairs
+        from planner.scene.scene import load_scene
+        from planner.scene.traced import trace_pairs
+
+        if self.scene is None:
+            return None
+        if self.material is not None:
+            return trace_pairs(self.scene, self.material)
+        return sample_pairs(load_scene(self.scene))
+
+    def plan(
+        self,
+        make: Maker,
+        field_of: Callable[[Mapping[str, Omission]], Field],
+        prior: Callable[[], Prior],
+        shots: int | None,
+        *,
+        fewest: bool,
+    ) -> Plan:
+        """Make the plan (see `planner.scene.sparing`)."""
+        from planner.scene.sparing import Wanted, plan_for_use
+        from planner.scene.use import Use
+
+        use, wanted = Use(self.pairs, self.isotropic), Wanted(shots, fewest)
+        return plan_for_use(use, wanted, make, field_of, prior)
+
+    def finish(self, plan: Plan) -> Plan:
+        """Add what leaving out color saves, where it is left out."""
+        from planner.scene.sparing import without_color
+
+        return without_color(plan) if self.mono else plan
+
+    def draw(self) -> None:
+        """Draw the demand, where it is asked for."""
+        from gonio.report.demand import save_demand
+
+        if self.plot_demand and self.pairs:
+            save_demand(self.plot_demand, self.pairs.light, self.pairs.view, self.pairs.weight)
+            click.echo(f"wrote {self.plot_demand}")
+
+
+def spared_rows(left_out: LeftOut) -> Iterator[tuple[str, str]]:
+    """Say what an omission spares, where the plan knows."""
+    from gonio.words import duration
+
+    if left_out.spared_shots is None:
+        return
+    seconds = 60 * (left_out.spared_min or 0.0)
+    time = duration(seconds) if seconds >= 0 else f"-{duration(-seconds)}"
+    yield "  spares", f"{left_out.spared_shots} shots, {time}"
+    if left_out.error_inside is not None:
+        elsewhere = left_out.error_outside
+        there = "" if elsewhere is None else f", {elsewhere:+.4f} elsewhere"
+        yield (
+            "  expected error",
+            f"{left_out.error_inside:+.4f} in what counts{there} (deviation of ln BRDF)",
+        )

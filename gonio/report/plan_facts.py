@@ -1,0 +1,55 @@
+"""What a plan's page says in numbers and words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gonio.words import duration, size
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from gonio.plan import Estimates, Plan
+
+_NAMES = {"full_set": "pairs of candidates", "reciprocal_pairs": "measured both ways round"}
+
+
+def cards(plan: Plan) -> Iterator[tuple[str, str, str]]:
+    """Yield what comes first: name, value, and what it is of."""
+    selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
+    yield "shots", f"{shots}", f"{selection.lights} lights, {selection.views} views"
+    yield "measured", f"{100 * shots / selection.full_set:.3g} %", f"of {selection.full_set} pairs"
+    yield "time", duration(estimates.total_s), _interval(estimates)
+    yield "storage", size(estimates.storage_bytes), f"in {estimates.frames} frames"
+    if selection.variance_left is not None:
+        yield "left unknown", f"{selection.variance_left:.2%}", "of the prior's variance"
+
+
+def parts(estimates: Estimates) -> Iterator[tuple[str, float, str]]:
+    """Yield the parts of the time: name, seconds, and seconds in words."""
+    for name in type(estimates).model_fields:
+        if name.endswith("_s") and not name.startswith("total"):
+            seconds = float(getattr(estimates, name))
+            yield name.removesuffix("_s").replace("_", " "), seconds, duration(seconds)
+
+
+def ends_s(estimates: Estimates) -> tuple[float, float] | None:
+    """Return between which times a capture ends, in seconds, where the estimate says."""
+    low, high = (getattr(estimates, f"total_{end}_s", None) for end in ("lo", "hi"))
+    return None if low is None or high is None else (low, high)
+
+
+def _interval(estimates: Estimates) -> str:
+    ends = ends_s(estimates)
+    return (
+        f"{duration(ends[0])} to {duration(ends[1])}" if ends else "homing and calibration included"
+    )
+
+
+def facts(plan: Plan) -> Iterator[tuple[str, str]]:
+    """Yield how the shots were chosen: each field of the selection that says something."""
+    for name in type(plan.selection).model_fields:
+        value = getattr(plan.selection, name)
+        if value is not None:
+            text = f"{value:.3g}" if isinstance(value, float) else str(value)
+            yield _NAMES.get(name, name.replace("_", " ")), text

@@ -1,0 +1,20 @@
+"""Quantities as a person says them."""
+
+from __future__ import annotations
+
+
+def duration(seconds: float) -> str:
+    """Say a time as a person would: 42 s, 12 min, 6 h 05 min."""
+    if seconds < 100:
+        return f"{seconds:.3g} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def size(count: float) -> str:
+    """Say a number of bytes as a person would: 30.1 MB."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} TB"

@@ -1,0 +1,59 @@
+"""How wrong a material will be that is told from some pairs, as far as a prior knows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.information import Unknown
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gonio.protocols import Prior
+    from planner.field import Field
+
+RANK = 400
+"""Columns of the factor that errors are told with: with fewer, many shots would look too good."""
+FEWER_RANK, _MANY_PAIRS = 150, 40_000
+
+
+class ExpectedError:
+    """The posterior standard deviation of ln(BRDF), root mean square over all pairs.
+
+    Kinds of material count by their shares.
+
+    Parameters
+    ----------
+    field
+        The pairs, and how much each counts.
+    prior
+        What is believed of the material.
+    """
+
+    def __init__(self, field: Field, prior: Prior) -> None:
+        demand = None if field.demand is None else field.demand.ravel()
+        kinds = prior.kinds(*field.pairs, rank_for(field))
+        self._unknown = [Unknown(kind, demand) for kind in kinds]
+        weights = np.ones(field.allowed.size) if demand is None else demand
+        # where nothing counts there is no error
+        weights = weights / max(float(weights.sum()), np.finfo(float).tiny)
+        self._variance = [
+            float(np.square(kind.factor).sum(axis=1)[kind.which] @ weights) for kind in kinds
+        ]
+
+    def after(self, measured: NDArray[np.int64]) -> float:
+        """Return what is to be expected once `measured` are, indices of pairs, shape (n,)."""
+        for each in self._unknown:
+            each.forget(measured)
+        left = (
+            each.remaining * whole
+            for each, whole in zip(self._unknown, self._variance, strict=True)
+        )
+        return float(np.sqrt(max(sum(left), 0.0)))
+
+
+def rank_for(field: Field) -> int:
+    """Return how many columns of the factor fit into memory at the pairs of a field."""
+    return RANK if field.allowed.size <= _MANY_PAIRS else FEWER_RANK
