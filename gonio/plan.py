@@ -17,6 +17,10 @@ _REMEDY = "make a new one with: gonio plan"
 Theta = Annotated[float, Field(ge=0)]
 Phi = Annotated[float, Field(ge=0, lt=360)]
 Exposure = Annotated[float, Field(ge=1e-6, le=300)]
+Side = Literal["view", "light"]
+
+# what came after the first plans is left out of the file, and so of its hash, where it says nothing
+Turns = Annotated[int, Field(ge=-10, le=10, exclude_if=lambda turns: turns == 0)]
 
 
 def _is_unknown(value: object) -> bool:
@@ -32,7 +36,11 @@ class LampSetting(Document):
 
 
 class Shot(Document):
-    """One pair of directions to measure, and how."""
+    """One pair of directions to measure, and how.
+
+    `view_turn` and `light_turn` are full turns that the phi axes stand at beyond phi: an axis that
+    travels more than a turn reaches some directions at two angles or more.
+    """
 
     index: int = Field(ge=0)
     light_theta_deg: Theta
@@ -41,6 +49,8 @@ class Shot(Document):
     view_phi_deg: Phi
     exposures_s: tuple[Exposure, ...] = Field(min_length=1)
     lamps: tuple[LampSetting, ...] = Field(min_length=1)
+    view_turn: Turns = 0
+    light_turn: Turns = 0
 
     @model_validator(mode="after")
     def _reflection_only(self) -> Shot:
@@ -64,7 +74,13 @@ class Shot(Document):
     def axis_deg(self, axis: str) -> float:
         """Return the angle of an axis, by its name in the rig file, in degrees."""
         angle: float = getattr(self, f"{axis}_deg")
-        return angle
+        side, _, name = axis.partition("_")
+        return angle + 360.0 * getattr(self, f"{side}_turn") if name == "phi" else angle
+
+    def direction_deg(self, side: Side) -> tuple[float, float]:
+        """Return theta and phi of the view or the light; at the pole, which has none, phi is 0."""
+        theta: float = getattr(self, f"{side}_theta_deg")
+        return theta, getattr(self, f"{side}_phi_deg") if theta else 0.0
 
 
 class Selection(Document):
@@ -87,6 +103,18 @@ class Selection(Document):
     deviation_before: float | None = Field(default=None, ge=0)
     deviation_after: float | None = Field(default=None, ge=0)
     route: str
+
+
+class RouteTime(Document):
+    """What moving along the shots' order takes, and what no order of them can beat."""
+
+    moving_s: float = Field(ge=0)
+    bound_s: float = Field(ge=0)
+
+    @property
+    def gap(self) -> float:
+        """By how much the route is above the bound at most, as a share of the route."""
+        return 1.0 - self.bound_s / self.moving_s if self.moving_s else 0.0
 
 
 class LeftOut(Document):
@@ -153,6 +181,7 @@ class Plan(Document):
     selection: Selection
     left_out: tuple[LeftOut, ...] = ()
     estimates: Estimates
+    route: RouteTime | None = Field(default=None, exclude_if=lambda route: route is None)
     shots: tuple[Shot, ...] = Field(min_length=1)
 
     @model_validator(mode="after")

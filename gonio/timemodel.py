@@ -154,8 +154,6 @@ def estimate(
         The rig.
     timing
         How it acts; without it, as `gonio.timing.default_timing` expects.
-    calibrated_s
-        Exposures of which dark and white frames are there.
     """
     from gonio.legs import legs_of  # ways round are judged by the times of this module
 

@@ -14,7 +14,7 @@ from gonio.cli._scene import SceneOptions, scene_options, spared_rows
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Estimates, Plan
+    from gonio.plan import Estimates, Plan, Side
     from planner.candidates import Candidates
 
 BRACKETS = ("all", "predicted")
@@ -331,6 +331,8 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     yield "  timing", _timing_of(estimates)
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
+    if plan.route is not None:
+        yield "", f"{plan.route.moving_s:.1f} s of moves; {plan.route.bound_s:.1f} s at the least"
 
 
 def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path | None) -> None:
@@ -369,10 +371,9 @@ def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None
     from gonio.report.hemisphere import save_hemispheres
 
     chosen = {}
-    for name, candidates in (("view", views), ("light", lights)):
-        angles = sorted(
-            {(s.axis_deg(f"{name}_theta"), s.axis_deg(f"{name}_phi")) for s in plan.shots}
-        )
+    sides: tuple[tuple[Side, Candidates], ...] = (("view", views), ("light", lights))
+    for name, candidates in sides:
+        angles = sorted({shot.direction_deg(name) for shot in plan.shots})
         theta_deg, phi_deg = zip(*angles, strict=True)
         title = f"{name}s: {len(angles)} of {len(candidates)}"
         chosen[title] = from_degrees(theta_deg, phi_deg), candidates.directions

@@ -29,6 +29,9 @@ def test_the_file_and_the_table_agree(gonio, tmp_path, options, views, lights, s
     assert f"{shots}, {shots / 6561:.1%} of the full set" in result.stdout
     assert f"{plan.selection.reciprocal_pairs} pairs" in result.stdout
     assert plan.sha256 in result.stdout
+    moving_s, bound_s = plan.route.moving_s, plan.route.bound_s
+    assert f"{moving_s:.1f} s of moves; {bound_s:.1f} s at the least" in result.stdout
+    assert 0.95 * moving_s < bound_s <= moving_s
     for word in ("moving", "settling", "exposing", "overhead", "homing", "storage", "not chosen"):
         assert word in result.stdout
 
@@ -37,8 +40,8 @@ def test_the_plan_is_what_others_expect_to_read(gonio, tmp_path):
     assert gonio("plan", "--density", "2", "-o", "deep/p.json").returncode == 0
     plan = json.loads((tmp_path / "deep/p.json").read_text())
     assert plan["schema"] == "gonio.plan/1"
-    assert {"sha256", "shots", "selection", "left_out", "estimates"} <= set(plan)
-    assert set(plan["shots"][0]) == {
+    assert {"sha256", "shots", "selection", "left_out", "estimates", "route"} <= set(plan)
+    assert set(plan["shots"][0]) - {"view_turn", "light_turn"} == {
         "index", "light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg",
         "exposures_s", "lamps",
     }  # fmt: skip
