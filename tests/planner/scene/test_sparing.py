@@ -9,7 +9,7 @@ from gonio.errors import BadInputError
 from gonio.protocols import PriorKind
 from gonio.rig import default_rig
 from planner.candidates import candidates_named
-from planner.make import field_of, make_plan
+from planner.make import field_within, make_plan
 from planner.scene.expected import expected_error
 from planner.scene.pairs import sample_pairs
 from planner.scene.scene import Scene
@@ -62,7 +62,7 @@ class Recorded:
 
 def plan_of(use, wanted, make=None):
     make = make or Recorded(views=6, lights=6)
-    return plan_for_use(use, wanted, make, partial(field_of, RIG, SET, SET), Smooth), make
+    return plan_for_use(use, wanted, make, partial(field_within, RIG, SET, SET, None), Smooth), make
 
 
 def row(plan, reason):
@@ -71,7 +71,7 @@ def row(plan, reason):
 
 def errors(use, plan):
     """Return the expected error inside, of the plan's own pairs, under what the use believes."""
-    kinds = Smooth().kinds(*field_of(RIG, SET, SET, {}).pairs, 400)
+    kinds = Smooth().kinds(*field_within(RIG, SET, SET, None, {}).pairs, 400)
     if use.isotropic:
         kinds = [kinds[0]._replace(share=1.0)]
     angles = list(zip(SET.theta_deg.tolist(), SET.phi_deg.tolist(), strict=True))
