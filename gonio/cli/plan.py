@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from gonio.plan import Plan
     from gonio.protocols import Prior
+    from gonio.rig import Rig
     from planner.candidates import Candidates
 
 
@@ -157,14 +158,12 @@ def command(
     from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
     from gonio.errors import BadInputError
-    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
     from planner.make import make_plan
-    from planner.refused import refused_pairs
 
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
@@ -230,8 +229,7 @@ def command(
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if page:
-        refused = refused_pairs(light_set, view_set, rig)
-        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        _write_page(page_path, plan, rig, light_set, view_set)
         click.echo(f"wrote {page_path}")
     if plot:
         _draw(plan, plot, view_set, light_set)
@@ -285,6 +283,13 @@ def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path
         raise BadInputError(f"criterion {criterion} weighs no pairs; leave out --weight")
     if seed is not None and criterion != "random":
         raise BadInputError(f"criterion {criterion} draws nothing; leave out --seed")
+
+
+def _write_page(path: Path, plan: Plan, rig: Rig, lights: Candidates, views: Candidates) -> None:
+    from gonio.report.plan_page import write_plan_page
+    from planner.refused import refused_pairs
+
+    write_plan_page(path, plan, rig, lights, views, refused_pairs(lights, views, rig))
 
 
 def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None:
