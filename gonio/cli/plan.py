@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from gonio.cli._scene import SceneOptions, scene_options, spared_rows
+from gonio.cli._scene import SceneOptions, scene_options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -249,6 +249,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
+    from gonio.report.plan_facts import spared_rows
     from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
@@ -262,7 +263,7 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
-        yield from spared_rows(left_out)
+        yield from ((f"  {name}", text) for name, text in spared_rows(left_out))
     yield "estimated time", duration(estimates.total_s)
     for name in ("moving", "settling", "exposing", "overhead"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
