@@ -87,7 +87,7 @@ def draw_route(side: Directions) -> Figure:
 
 def draw_progress(planned: Planned, ends_s: tuple[float, float] | None) -> Figure:
     """Draw how many shots are done after which time, and between which times the last may be."""
-    figure = new_figure(5.4, 2.5)
+    figure = new_figure(4.2, 2.4)
     axes = figure.subplots()
     unit_s, unit = (3600.0, "h") if planned.done_s[-1] > 2 * 3600 else (60.0, "min")
     shots = len(planned.done_s)

@@ -11,7 +11,11 @@ if TYPE_CHECKING:
 
     from gonio.plan import Estimates, LeftOut, Plan
 
-_NAMES = {"full_set": "pairs of candidates", "reciprocal_pairs": "measured both ways round"}
+_NAMES = {
+    "full_set": "pairs of candidates",
+    "reciprocal_pairs": "measured both ways round",
+    "variance_bound": "of any choice at least",
+}
 
 
 def cards(plan: Plan) -> Iterator[tuple[str, str, str]]:
@@ -55,7 +59,8 @@ def facts(plan: Plan) -> Iterator[tuple[str, str]]:
     for name in type(plan.selection).model_fields:
         value = getattr(plan.selection, name)
         if value is not None:
-            text = f"{value:.3g}" if isinstance(value, float) else str(value)
+            # the only fractions there are shares of the prior's variance
+            text = f"{value:.2%} of the prior's" if isinstance(value, float) else str(value)
             yield _NAMES.get(name, name.replace("_", " ")), text
 
 
