@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from gonio.cli._scene import SceneOptions, scene_options, spared_rows
+from gonio.cli._scene import SceneOptions, scene_options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gonio.plan import Estimates, Plan, Side
+    from gonio.rig import Rig
     from planner.candidates import Candidates
 
 BRACKETS = ("all", "predicted")
@@ -196,14 +197,12 @@ def command(
     from gonio.cli._prior import material_prior
     from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
-    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
     from planner.make import field_within, make_plan
-    from planner.reach import reach_of
 
     if continued is not None:
         refuse_others(criterion)
@@ -290,8 +289,7 @@ def command(
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if page:
-        refused = reach_of(light_set, view_set, rig, max_theta_deg).reasons
-        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        _write_page(page_path, plan, rig, (light_set, view_set), max_theta_deg)
         click.echo(f"wrote {page_path}")
     if plot:
         _draw(plan, plot, view_set, light_set)
@@ -311,6 +309,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
+    from gonio.report.plan_facts import spared_rows
     from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
@@ -324,7 +323,7 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
-        yield from spared_rows(left_out)
+        yield from ((f"  {name}", text) for name, text in spared_rows(left_out))
     yield "estimated time", _with_interval(estimates)
     for name in ("moving", "settling", "exposing", "overhead", "homing"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
@@ -358,6 +357,19 @@ def _with_interval(estimates: Estimates) -> str:
         return total
     reach_s = estimates.total_hi_s - estimates.total_s
     return f"{total} +- {duration(reach_s)} (5 to 95 %)"
+
+
+def _write_page(
+    path: Path,
+    plan: Plan,
+    rig: Rig,
+    sides: tuple[Candidates, Candidates],
+    max_theta_deg: float | None,
+) -> None:
+    from gonio.report.plan_page import write_plan_page
+    from planner.reach import reach_of
+
+    write_plan_page(path, plan, rig, *sides, reach_of(*sides, rig, max_theta_deg).reasons)
 
 
 def _timing_of(estimates: Estimates) -> str:
