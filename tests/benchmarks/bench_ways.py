@@ -36,8 +36,8 @@ def test_ways():
     straight = [free_way(starts[move], goals[move], default_rig()).seconds for move in some]
     longer = [way.seconds - least for way, least in zip(ways, straight, strict=True)]
     print(  # noqa: T201
-        f"\n{MOVES} moves in {checked_s:.2f} s of processor time, {hit.mean():.0%} blocked; a way round in "
-        f"{1000 * way_s:.1f} ms, {np.mean(longer):.1f} s longer than straight on, at most "
+        f"\n{MOVES} moves in {checked_s:.2f} s of processor time, {hit.mean():.0%} blocked; a way "
+        f"round in {1000 * way_s:.1f} ms, {np.mean(longer):.1f} s longer than straight on, at most "
         f"{np.max(longer):.1f} s"
     )
     assert checked_s < 10
