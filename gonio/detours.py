@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.approach import first_stop_deg
 from gonio.rig import AXES
-from gonio.timemodel import approach_start_deg, move_time
+from gonio.timemodel import move_time
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -71,12 +72,11 @@ def leg_seconds(poses_deg: Array, rig: Rig) -> Array:
 def with_approach(poses_deg: Array, rig: Rig) -> Array:
     """Put in where axes that come to the last pose from one side go before, (..., k + 1, 4).
 
-    See `gonio.timemodel.approach_start_deg`.
+    See `gonio.approach.first_stop_deg`.
     """
     before, goal = poses_deg[..., -2, :], poses_deg[..., -1, :]
     starts = [
-        approach_start_deg(before[..., i], goal[..., i], rig.axis[name])
-        for i, name in enumerate(AXES)
+        first_stop_deg(before[..., i], goal[..., i], rig.axis[name]) for i, name in enumerate(AXES)
     ]
     approach = np.stack(starts, axis=-1)[..., None, :]
     return np.concatenate([poses_deg[..., :-1, :], approach, goal[..., None, :]], axis=-2)

@@ -194,10 +194,11 @@ def _bad_values(values: NDArray[np.float64]) -> str | None:
     if not len(bad):
         return None
     light, view, channel = bad[0].tolist()
+    value = values[light, view, channel]
     return (
-        f"values[{light}, {view}, {channel}] (light, view, channel) is "
-        f"{values[light, view, channel]:g}, negative or not finite"
-        + (f", as are {len(bad) - 1} more" if len(bad) > 1 else "")
+        f"values[{light}, {view}, {channel}] (light, view, channel) is {value:g}, "
+        + ("negative" if np.isfinite(value) else "not finite")
+        + (f"; in all, {len(bad)} values are no reflectance" if len(bad) > 1 else "")
     )
 
 

@@ -104,3 +104,17 @@ class Prior(Protocol):
         rank
             Columns of the factors at most.
         """
+
+    def expected(
+        self, light: NDArray[np.float64], view: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return mean and standard deviation of ln(BRDF in 1/sr) at pairs, shape (n,) each.
+
+        The BRDF counts with a hundredth of the material's white added, below which nothing is told
+        apart; that the material's scale is unknown is in the deviation.
+
+        Parameters
+        ----------
+        light, view
+            Unit vectors away from the sample, shape (n, 3).
+        """

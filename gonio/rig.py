@@ -27,6 +27,8 @@ Offset = Annotated[float, within(-1e4, 1e4)]
 Place = Annotated[float, within(-1e5, 1e5)]
 Angle = Annotated[float, within(-3600, 3600)]
 Timeout = Annotated[float, within(0.1, 3600)]
+# left out of the hash where nobody waits, so that files of before there was such a key keep theirs
+Wait = Annotated[float, within(0, 86400), Field(exclude_if=lambda seconds: seconds == 0)]
 Pixels = Annotated[int, within(2, 30000)]
 Point = tuple[Place, Place, Place]
 
@@ -163,6 +165,9 @@ class Lamps(Document):
     distance_m: Distance = 2.0
     lamp: tuple[Lamp, ...] = Field(min_length=1, max_length=11)
     watchdog_ms: Annotated[int, within(0, 3_600_000)] = 30000
+    warm_up_s: Wait = 0.0
+    rest_after_s: Wait = 0.0
+    rest_s: Wait = 0.0
 
     @field_validator("lamp")
     @classmethod
@@ -170,6 +175,12 @@ class Lamps(Document):
         if len({lamp.n for lamp in lamps}) != len(lamps):
             raise ValueError("two lamps have the same n")
         return lamps
+
+    @model_validator(mode="after")
+    def _rest_after_light(self) -> Lamps:
+        if bool(self.rest_after_s) != bool(self.rest_s):
+            raise ValueError("rest_after_s and rest_s go together: give both, or neither")
+        return self
 
 
 class CameraSpec(Document):

@@ -1,4 +1,4 @@
-"""How long a rig takes: moves, settling, exposures."""
+"""How long a rig takes: moves, settling, a whole capture."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.approach import first_stop_deg
+from gonio.eta import Budget
+from gonio.homing import homing_time
 from gonio.plan import Estimates
-from gonio.rig import AXES
+from gonio.profile import s_curve_s, trapezoid_s
+from gonio.rig import AXES, Axis
+from gonio.timing import AxisTiming, default_timing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,86 +21,199 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from gonio.plan import Shot
-    from gonio.rig import Axis, Rig
+    from gonio.rig import Rig
+    from gonio.timing import Timing
 
-SETTLE_S = 1.0
-"""Expected wait after a move until the arm is still (the twin's rings down in about that)."""
-
-FRAME_OVERHEAD_S = 0.1
-"""Expected trigger, read-out and file time of a frame beyond its exposure."""
+    Array = NDArray[np.float64]
 
 FRAME_HEADER_BYTES = 1024
-HOMING_S = 30.0
 
 DARK_FRAMES = 4
 WHITE_FRAMES = 4
 """Dark and white frames taken of each exposure."""
 
-
-def move_time(distance_deg: ArrayLike, axis: Axis) -> NDArray[np.float64]:
-    """Return the seconds of a trapezoid (or triangle) profile, from rest to rest."""
-    distance = np.abs(np.asarray(distance_deg, np.float64))
-    speed, acceleration = axis.max_velocity_deg_s, axis.max_acceleration_deg_s2
-    ramps = speed * speed / acceleration
-    triangle = 2.0 * np.sqrt(distance / acceleration)
-    trapezoid = distance / speed + speed / acceleration
-    return np.where(distance < ramps, triangle, trapezoid)
+WHITE_POSE_DEG = {"light_theta": 0.0, "light_phi": 0.0, "view_theta": 45.0, "view_phi": 0.0}
+"""Where the white reference is taken: 0:45, light along the normal, view at 45 deg (CIE 15)."""
 
 
-def approach_start_deg(
-    start_deg: ArrayLike, goal_deg: ArrayLike, axis: Axis
-) -> NDArray[np.float64]:
-    """Return where an axis goes before its goal, so that it comes to it from the one side.
+def move_time(distance_deg: ArrayLike, axis: Axis | AxisTiming) -> Array:
+    """Return the seconds of a move from rest until it is known to be in position; 0 for no move.
 
-    That is `approach_deg` before the goal, as far as the travel allows; the goal itself where
-    there is nothing to take up: no such approach, an axis that stays, or a way from the right side
-    that is long enough.
+    Parameters
+    ----------
+    distance_deg
+        In degrees, either way, any shape.
+    axis
+        How the axis acts. One of a rig file counts as acting just so: a trapezoid, no latency.
     """
-    start, goal = np.asarray(start_deg, np.float64), np.asarray(goal_deg, np.float64)
-    run_up, way = axis.approach_deg, goal - start
-    if not run_up:
-        return goal
-    short = (np.abs(way) > axis.in_position_deg) & (way / run_up < 1.0)
-    return np.where(short, np.clip(goal - run_up, axis.min_deg, axis.max_deg), goal)
+    acts = AxisTiming.nominal(axis) if isinstance(axis, Axis) else axis
+    distance = np.abs(np.asarray(distance_deg, np.float64))
+    limits = (acts.velocity_deg_s, acts.acceleration_deg_s2)
+    if acts.jerk_deg_s3:
+        profile = s_curve_s(distance, *limits, acts.jerk_deg_s3)
+    else:
+        profile = trapezoid_s(distance, *limits)
+    return np.where(distance > 0, acts.latency_s + profile, 0.0)
 
 
-def pose_angles_deg(shots: Sequence[Shot]) -> NDArray[np.float64]:
+def pose_angles_deg(shots: Sequence[Shot]) -> Array:
     """Return the four axes' angles of each shot in degrees, shape (n, 4), in the order of AXES."""
     return np.array([[shot.axis_deg(name) for name in AXES] for shot in shots], dtype=np.float64)
 
 
-def route_times(angles_deg: NDArray[np.float64], rig: Rig) -> NDArray[np.float64]:
-    """Return the seconds of each move along a route, the axes moving together.
+def route_times(angles_deg: Array, rig: Rig, timing: Timing | None = None) -> Array:
+    """Return the seconds of each move along a route until the axes, moving together, are there.
+
+    Axes that are approached from one side (`approach_deg`) go to where their run-up begins, and
+    when all have arrived make that together.
 
     Parameters
     ----------
     angles_deg
         Shape (n, 4), as from `pose_angles_deg`.
+    rig
+        The rig.
+    timing
+        How it acts; without it, just as its rig file says.
 
     Returns
     -------
     ndarray
         Shape (n - 1,).
     """
-    steps = np.diff(angles_deg, axis=0)
-    times = [move_time(steps[:, i], rig.axis[name]) for i, name in enumerate(AXES)]
-    return np.asarray(np.max(times, axis=0))
+    return np.asarray(np.max(_arrivals(angles_deg, rig, timing), axis=0))
 
 
-def estimate(shots: Sequence[Shot], rig: Rig) -> Estimates:
-    """Estimate the time and storage of a capture, homing and calibration frames included."""
-    moves = route_times(pose_angles_deg(shots), rig)
+def _arrivals(angles_deg: Array, rig: Rig, timing: Timing | None) -> Array:
+    """Return when each axis arrives in each move, shape (4, moves); 0 where it stays."""
+    axes = rig.axis if timing is None else timing.axis
+    starts, goals = angles_deg[:-1].T, angles_deg[1:].T
+    stops = np.array(
+        [first_stop_deg(starts[i], goals[i], rig.axis[name]) for i, name in enumerate(AXES)]
+    )
+    first, run_up = (
+        np.array([move_time(ways[i], axes[name]) for i, name in enumerate(AXES)])
+        for ways in (stops - starts, goals - stops)
+    )
+    return np.where(run_up > 0, first.max(axis=0) + run_up, first)
+
+
+def still_times(angles_deg: Array, rig: Rig, timing: Timing) -> Array:
+    """Return the seconds of each move along a route until both arms are still.
+
+    Parameters
+    ----------
+    angles_deg
+        Shape (n, 4), as from `pose_angles_deg`.
+    rig, timing
+        The rig, and how it acts.
+
+    Returns
+    -------
+    ndarray
+        Shape (n - 1,).
+    """
+    view_theta, view_phi, light_theta, light_phi = _settled(angles_deg, rig, timing)
+    arms = ((view_theta, view_phi), (light_theta, light_phi))
+    return np.asarray(np.max([_together(*axes, timing.ring_down_s) for axes in arms], axis=0))
+
+
+def _settled(angles_deg: Array, rig: Rig, timing: Timing) -> Array:
+    """Return until when each axis alone would shake its arm, shape (4, moves); 0 if it stays."""
+    arrivals = _arrivals(angles_deg, rig, timing)
+    settle_s = np.array([timing.axis[name].settle.mean_s for name in AXES])
+    return np.where(arrivals > 0, arrivals + settle_s[:, None], 0.0)
+
+
+def _together(one: Array, other: Array, ring_down_s: float) -> Array:
+    """Return until when two axes shake their arm: vibrations add up, and fall exponentially."""
+    late, early = np.maximum(one, other), np.minimum(one, other)
+    if not ring_down_s:
+        return late
+    longer = ring_down_s * np.log1p(np.exp((early - late) / ring_down_s))
+    return np.where(early > 0, late + longer, late)
+
+
+def estimate(shots: Sequence[Shot], rig: Rig, timing: Timing | None = None) -> Estimates:
+    """Estimate the time and storage of a whole capture.
+
+    From the greeting of the devices to the last frame: homing from anywhere, dark and white
+    frames at 0:45, then shot by shot moving, settling, lamps, exposures and read-out, of which the
+    last of a shot is overlapped by the next move.
+
+    Parameters
+    ----------
+    shots
+        In route order.
+    rig
+        The rig.
+    timing
+        How it acts; without it, as `gonio.timing.default_timing` expects.
+    """
+    timing = timing or default_timing(rig)
+    home = [rig.axis[name].to_degrees(0) for name in AXES]
+    white = [WHITE_POSE_DEG[name] for name in AXES]
+    angles_deg = np.vstack([home, white, pose_angles_deg(shots)])
+    moving, still = route_times(angles_deg, rig, timing), still_times(angles_deg, rig, timing)
     calibration = calibration_exposures_s(shots)
     frames = sum(len(shot.exposures_s) for shot in shots) + len(calibration)
-    exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots)
+    exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots) + math.fsum(calibration)
+    budget = Budget()
+    budget.add_seconds(exposing)
+    _add_moves(budget, _settled(angles_deg, rig, timing), moving, still, timing)
+    # the way to the first shot begins when all white frames are in
+    overlapped = np.minimum(still[2:] + timing.lamps.mean_s, timing.read_out.mean_s)
+    homing = budget.add(homing_time(rig, timing))
+    overhead = (
+        budget.add(timing.startup)
+        + budget.add(timing.lamps, len(shots))
+        + budget.add(timing.hold, frames)
+        + budget.add(timing.read_out, frames)
+        + budget.add_seconds(-math.fsum(overlapped))
+        + budget.add_seconds(_waiting_for_lamps(shots, still[1:], rig, timing))
+    )
+    low_s, high_s = budget.interval_s
     return Estimates(
-        moving_s=float(moves.sum()),
-        settling_s=SETTLE_S * int(np.count_nonzero(moves)),
-        exposing_s=exposing + math.fsum(calibration),
-        overhead_s=HOMING_S + FRAME_OVERHEAD_S * frames,
+        moving_s=float(moving.sum()),
+        settling_s=float((still - moving).sum()),
+        exposing_s=exposing,
+        overhead_s=overhead,
+        homing_s=homing,
+        total_lo_s=low_s,
+        total_hi_s=high_s,
+        timing_sha256=timing.sha256 if timing.measured else None,
         frames=frames,
         storage_bytes=frames * frame_bytes(rig),
     )
+
+
+def _waiting_for_lamps(shots: Sequence[Shot], still: Array, rig: Rig, timing: Timing) -> float:
+    """Return the seconds of warming up and of resting, as `gonio.capture` waits for them."""
+    lamps = rig.lamps
+    if not lamps.rest_s:
+        return lamps.warm_up_s
+    frame_s = timing.hold.mean_s + timing.read_out.mean_s
+    white = WHITE_FRAMES * exposures_of(shots)
+    waited_s = lamps.warm_up_s
+    lit_s = lamps.warm_up_s + math.fsum(white) + frame_s * len(white)
+    for shot, move_s in zip(shots, still, strict=True):
+        lit_s += move_s
+        if lit_s >= lamps.rest_after_s:
+            lit_s, waited_s = lamps.warm_up_s, waited_s + lamps.rest_s + lamps.warm_up_s
+        lit_s += timing.lamps.mean_s + math.fsum(shot.exposures_s)
+        lit_s += frame_s * len(shot.exposures_s)
+    return waited_s
+
+
+def _add_moves(budget: Budget, settled: Array, moving: Array, still: Array, timing: Timing) -> None:
+    """Add the moves of a route, each as sure as the axis that it waits for."""
+    axes = [timing.axis[name] for name in AXES]
+    last = np.argmax(settled, axis=0)
+    moved = still > 0
+    variance_s2 = np.array([axis.sd_s**2 + axis.settle.sd_s**2 for axis in axes])[last]
+    speed, settle_s = np.array([(axis.error, axis.settle.error_s) for axis in axes]).T[:, last]
+    common_s = speed * moving + settle_s * moved
+    budget.add_seconds(float(still.sum()), float(variance_s2[moved].sum()), float(common_s.sum()))
 
 
 def exposures_of(shots: Sequence[Shot]) -> list[float]:

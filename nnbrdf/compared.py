@@ -33,9 +33,9 @@ class Entry(Document):
     weights
         How many numbers its model is made of.
     fit_seconds
-        What the fit took.
+        What the fit took by the clock on the wall, on all cores.
     million_seconds
-        What evaluating a million pairs takes.
+        What evaluating a million pairs takes of the processor, on one core.
     eps8, male
         Of the model, see `nnbrdf.metrics`.
     against

@@ -11,40 +11,12 @@ from planner.information import Unknown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from gonio.protocols import Prior, PriorKind
+    from gonio.protocols import Prior
     from planner.field import Field
 
 RANK = 400
 """Columns of the factor that errors are told with: with fewer, many shots would look too good."""
 FEWER_RANK, _MANY_PAIRS = 150, 40_000
-
-
-class RememberedPrior:
-    """A prior that is factored once for all that ask about the same pairs.
-
-    Its factors are pivoted: the first columns of a long one are those of a short one.
-
-    Parameters
-    ----------
-    prior
-        Whose factors are kept, of `rank` columns; who asks for fewer gets the first of them.
-    """
-
-    def __init__(self, prior: Prior, rank: int) -> None:
-        self._prior, self._rank = prior, rank
-        self._known: dict[bytes, list[PriorKind]] = {}
-
-    def kinds(
-        self, light: NDArray[np.float64], view: NDArray[np.float64], rank: int
-    ) -> list[PriorKind]:
-        """Return the covariance of each kind at pairs (see `gonio.protocols.Prior`)."""
-        asked = light.tobytes() + view.tobytes()
-        if asked not in self._known:
-            self._known = {asked: self._prior.kinds(light, view, self._rank)}
-        return [
-            kind._replace(factor=np.ascontiguousarray(kind.factor[:, :rank]))
-            for kind in self._known[asked]
-        ]
 
 
 class ExpectedError:

@@ -11,9 +11,11 @@ from gonio.errors import BadInputError
 from gonio.plan import LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES
 from gonio.timemodel import estimate
+from gonio.timing import default_timing
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named
 from planner.density import count_of
+from planner.exposures import with_predicted_exposures
 from planner.field import Field
 from planner.reach import reach_of
 from planner.route import plan_route
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Prior
     from gonio.rig import Rig
+    from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
 
@@ -48,10 +51,12 @@ def make_plan(
     max_theta_deg: float | None = None,
     leave_out: Mapping[str, Omission] | None = None,
     seed: int = 0,
+    timing: Timing | None = None,
+    bracket: str = "all",
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
-    Every shot takes all of the rig's exposures, with all of its lamps at 700 mA.
+    Every shot is taken with all of the rig's lamps at 700 mA.
 
     Parameters
     ----------
@@ -64,7 +69,7 @@ def make_plan(
     shots
         Choose so many pairs freely, rather than all pairs of some views and lights.
     prior
-        Makes what is believed of the material, for criteria that ask.
+        Makes what is believed of the material, for criteria that ask, and for predicted exposures.
     view_candidates, light_candidates
         What to choose from (see `planner.candidates`); the paper's 81 unless given.
     demand
@@ -75,6 +80,11 @@ def make_plan(
         Returns of a field which pairs need not be measured, shape (L, V), by reason.
     seed
         Of the random criterion.
+    timing
+        How the rig acts; without it, as `gonio.timing.default_timing` expects.
+    bracket
+        `all` of the rig's exposures for every shot, or those `predicted` to show it (see
+        `planner.exposures`).
 
     Raises
     ------
@@ -103,6 +113,10 @@ def make_plan(
             "that in the rig file, or take more directions"
         )
     ordered, method = _in_order(field, measured, rig)
+    if bracket == "predicted":
+        if prior is None:
+            raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
+        ordered = with_predicted_exposures(ordered, prior(), rig, timing or default_timing(rig))
     selection = Selection(
         criterion=criterion,
         candidates=_set_names(light_set, view_set),
@@ -118,7 +132,7 @@ def make_plan(
         rig_sha256=rig.sha256,
         selection=selection,
         left_out=reach.left_out(choice.measured, omitted),
-        estimates=estimate(ordered, rig),
+        estimates=estimate(ordered, rig, timing),
         shots=ordered,
     )
 

@@ -11,16 +11,13 @@ from gonio.clearance import check_pose
 from gonio.errors import BadInputError
 from gonio.paths import blocked, free_way
 from gonio.rig import AXES
-from gonio.timemodel import pose_angles_deg
+from gonio.timemodel import WHITE_POSE_DEG, pose_angles_deg
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from gonio.plan import Shot
     from gonio.rig import Rig
-
-WHITE_POSE_DEG = {"light_theta": 0.0, "light_phi": 0.0, "view_theta": 45.0, "view_phi": 0.0}
-"""0:45, light along the normal and view at 45 deg (CIE 15)."""
 
 
 def check_reach(shots: Sequence[Shot], rig: Rig) -> None:

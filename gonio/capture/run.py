@@ -6,17 +6,17 @@ import shlex
 import shutil
 from typing import TYPE_CHECKING
 
-from gonio.capture.reach import WHITE_POSE_DEG, check_reach
+from gonio.capture.frames import FrameTaker
+from gonio.capture.lighting import Lighting
+from gonio.capture.reach import check_reach
 from gonio.capture.wanted import Missing
 from gonio.errors import DeviceFaultError, StorageError
-from gonio.files import sha256_file
-from gonio.journal import FrameRecord
 from gonio.paths import free_way
 from gonio.rig import AXES
-from gonio.timemodel import frame_bytes
+from gonio.timemodel import WHITE_POSE_DEG, frame_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from gonio.capture.instrument import Instrument, Operator
@@ -52,6 +52,7 @@ class Capture:
         self._journal = journal
         self._plan = session.plan()
         self._rig = session.rig()
+        self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
         self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
@@ -94,8 +95,9 @@ class Capture:
             self._note("homed")
             self._calibrate(dark, white, counter)
             self._operator.place("sample")
-            for shot, frames in todo:
-                self._take_shot(shot, frames, counter)
+            with self._taker(counter) as taker:
+                for shot, frames in todo:
+                    self._take_shot(shot, frames, taker)
         self._note("finished")
         return total
 
@@ -112,20 +114,24 @@ class Capture:
             return
         self._operator.place("reference")
         self._go(WHITE_POSE_DEG)
-        self._instrument.lamps.off()
-        self._take(dark, self._session.calibration, counter)
-        self._instrument.lamps.apply(self._white_lamps())
-        self._take(white, self._session.calibration, counter)
+        self._lighting.off()
+        with self._taker(counter) as taker:
+            taker.take(dark, self._session.calibration)
+            self._lighting.apply(self._white_lamps())
+            taker.take(white, self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
         # each lamp that the plan ever lights, at its first current: the flux monitor does the rest
         settings = {lamp.n: lamp for shot in reversed(self._plan.shots) for lamp in shot.lamps}
         return tuple(settings[n] for n in sorted(settings))
 
-    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], counter: _Counter) -> None:
+    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:
         self._go({name: shot.axis_deg(name) for name in AXES})
-        self._instrument.lamps.apply(shot.lamps)
-        self._take(frames, self._session.raw, counter)
+        self._lighting.apply(shot.lamps)
+        taker.take(frames, self._session.raw)
+
+    def _taker(self, counter: _Counter) -> FrameTaker:
+        return FrameTaker(self._session, self._instrument, self._journal, counter.advance)
 
     def _go(self, angles_deg: Mapping[str, float]) -> None:
         """Go from where the arms are by a way on which nothing comes too near."""
@@ -135,30 +141,6 @@ class Capture:
         way = free_way(start, goal, self._rig)
         *via, last = [dict(zip(AXES, pose, strict=True)) for pose in way.poses_deg.tolist()]
         arm.move(last, via)
-
-    def _take(self, frames: Iterable[Wanted], folder: Path, counter: _Counter) -> None:
-        for frame in frames:
-            self._take_frame(frame, folder / frame.name)
-            counter.advance()
-
-    def _take_frame(self, frame: Wanted, target: Path) -> None:
-        angles = self._instrument.arm.angles_deg()
-        before = self._instrument.camera.names()
-        exposure = self._instrument.lamps.expose(frame.exposure_s)
-        # the camera syncs file and folder before the row that vouches for them
-        self._instrument.camera.fetch(exposure.frame, before, target)
-        record = FrameRecord(
-            role=frame.role,
-            shot_index=frame.shot_index,
-            attempt=frame.attempt,
-            repeat=frame.repeat,
-            exposure_s=frame.exposure_s,
-            file=str(target.relative_to(self._session.root)),
-            sha256=sha256_file(target),
-            flux=exposure.flux,
-            **{f"{name}_deg": angle for name, angle in angles.items()},
-        )
-        self._journal.append_frame(self._instrument.clock, record)
 
     def _note(self, kind: str, **data: object) -> None:
         self._journal.append(self._instrument.clock, kind, **data)

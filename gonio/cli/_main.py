@@ -32,6 +32,7 @@ COMMANDS = {
     "reduce": "Turn a session's raw frames into BRDF samples with sigma.",
     "reconstruct": "Turn a session, or a table of samples, into an NN-BRDF with a report.",
     "prior": "Make a prior of what materials look like from your own sessions.",
+    "rig": "Measure what a rig takes, so that plans tell their time well.",
     "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
 }
@@ -82,7 +83,9 @@ def main() -> None:
         # click makes an Abort of what it catches
         cause = stop.__cause__ or stop
         code = _TERMINATED if isinstance(cause, _Terminated) else _INTERRUPTED
-        _fail(_with_notes("stopped; what was finished is kept", cause), code)
+        # a command may have said what is kept of it
+        kept = "; ".join(map(str, cause.args)) or "what was finished is kept"
+        _fail(_with_notes(f"stopped; {kept}", cause), code)
     except OSError as error:
         place = error.filename or "input/output"
         if error.errno in _REFUSED:

@@ -46,8 +46,9 @@ def write_pareto(
     from gonio.cli._study_end import show_grids
     from gonio.report.study import write_study
     from gonio.report.sweep import Compared
+    from planner.beliefs import RememberedPrior
     from planner.criteria import CRITERIA
-    from planner.expected import ExpectedError, RememberedPrior, rank_for
+    from planner.expected import ExpectedError, rank_for
     from planner.field import Field
     from planner.make import make_plan
     from planner.sweep import designs_of, run_sweep
@@ -56,7 +57,7 @@ def write_pareto(
     demand = settings["demand"] and settings["demand"](lights, views)
     field = Field(lights, views, np.ones((len(lights), len(views)), bool), demand)
     designs = designs_of([criterion] if criterion else CRITERIA, field)
-    known = RememberedPrior(settings["prior"](), rank_for(field))
+    known = RememberedPrior(settings["prior"], rank_for(field))
     plan_of = partial(make_plan, rig, **{**settings, "prior": lambda: known})
     with progress_bar("planning") as progress:
         sweep = run_sweep(designs, plan_of, field, ExpectedError(field, known), progress)

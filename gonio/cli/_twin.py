@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from gonio.clock import VirtualClock
 from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
 from gonio.errors import ResumeRefusedError
 from gonio.files import sha256_file, write_json
+from gonio.materials import reference_material
 from gonio.reference import rig_with_reference
 from gonio.validation import Document, check, parse_json, read_text
 from sim.camera import SimCamera
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
     from gonio.capture.instrument import Holder
     from gonio.protocols import Material
+    from gonio.rig import Rig
     from gonio.session import Session
 
 _REMEDY = "this session was not made with --sim, or its sim folder is damaged"
@@ -99,14 +102,29 @@ def simulated(session: Session, settings: TwinSettings) -> Iterator[tuple[Instru
     clock = VirtualClock(_last_time(session))
     camera = SimCamera(rig, load_material(settings.material), settings.seed)
     twin = Twin(rig, camera, clock, frames, settings.seed, _taken(session))
-    instrument = Instrument(
+    yield _driven(twin, rig, frames, clock), SimOperator(twin)
+    shutil.rmtree(frames)
+
+
+@contextlib.contextmanager
+def simulated_rig(rig: Rig, seed: int) -> Iterator[tuple[Instrument, SimOperator, Path]]:
+    """Put a twin together without a session; yields a folder for its frames as well."""
+    with tempfile.TemporaryDirectory() as folder:
+        frames, scratch = Path(folder) / "frames", Path(folder) / "scratch"
+        frames.mkdir()
+        scratch.mkdir()
+        clock = VirtualClock()
+        twin = Twin(rig, SimCamera(rig, reference_material(rig), seed), clock, frames, seed)
+        yield _driven(twin, rig, frames, clock), SimOperator(twin), scratch
+
+
+def _driven(twin: Twin, rig: Rig, frames: Path, clock: VirtualClock) -> Instrument:
+    return Instrument(
         arm=Arm(twin.bus, rig, clock),
         lamps=LampHead(twin.line, rig, clock),
         camera=FolderCamera(LocalFolder(frames), rig, clock),
         clock=clock,
     )
-    yield instrument, SimOperator(twin)
-    shutil.rmtree(frames)
 
 
 class SimOperator:

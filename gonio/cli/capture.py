@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -167,7 +168,7 @@ def _created(
     carried = load_material(material or _MATERIAL)
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
-    plan = _plan_for(plan_path, rig)
+    plan = _plan_for(plan_path, rig, rig_path)
     check_reach(plan.shots, rig)
     remedy = "free some space or choose another folder with -o"
     check_space(root, plan.estimates.frames, rig, remedy)
@@ -177,8 +178,9 @@ def _created(
     return session, settings
 
 
-def _plan_for(path: Path | None, rig: Rig) -> Plan:
+def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None) -> Plan:
     """Return the plan asked for, or plan.json, or a fresh `sixth`."""
+    from gonio.cli._timing import timing_for
     from gonio.plan import Plan
     from nnbrdf.prior import MaterialPrior
     from planner.make import make_plan
@@ -187,7 +189,14 @@ def _plan_for(path: Path | None, rig: Rig) -> Plan:
     if found is not None:
         return Plan.load(found)
     click.echo("no plan.json here, so this measures density sixth (see gonio plan --help)")
-    return make_plan(rig, criterion="i-optimal", prior=MaterialPrior.generate)
+    timing = timing_for(rig, rig_path, None)
+    return make_plan(
+        rig,
+        criterion="i-optimal",
+        prior=cache(MaterialPrior.generate),
+        timing=timing,
+        bracket="predicted" if timing else "all",
+    )
 
 
 def _measure(session: Session, settings: TwinSettings) -> None:
@@ -213,6 +222,7 @@ def _measure(session: Session, settings: TwinSettings) -> None:
 
 def _report(session: Session, settings: TwinSettings, frames: int, took_s: float) -> None:
     from gonio.cli._console import console
+    from gonio.score import score_of
     from gonio.words import duration
 
     if not frames:
@@ -223,4 +233,7 @@ def _report(session: Session, settings: TwinSettings, frames: int, took_s: float
         f"{session.root}: {frames} frames of {name} in {duration(took_s)} of rig time "
         f"(whole plan estimated at {duration(expected)})"
     )
+    score = score_of(session)
+    if score is not None:
+        console.print(f"that is {score.sentence}")
     console.print(f"next: gonio reconstruct {session.root}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +14,10 @@ from gonio.cli._scene import SceneOptions, scene_options, spared_rows
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Plan
-    from gonio.protocols import Prior
+    from gonio.plan import Estimates, Plan
     from planner.candidates import Candidates
+
+BRACKETS = ("all", "predicted")
 
 
 @click.command(name="plan")
@@ -97,6 +99,20 @@ if TYPE_CHECKING:
     "--rig", "rig_path", type=click.Path(path_type=Path), help="A rig file.  [default: built in]"
 )
 @click.option(
+    "--timing",
+    "timing_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="What the rig takes, from gonio rig bench.  [default: rig-timing.json beside the rig file "
+    "or here, if it is of this rig]",
+)
+@click.option(
+    "--bracket",
+    type=click.Choice(BRACKETS, case_sensitive=False),
+    help="Exposures of a shot. all: every one of the rig file. predicted: the fewest that "
+    "show it, however bright a material of the prior may be there.  [default: predicted where "
+    "the rig's timing was measured, else all]",
+)
+@click.option(
     "-o",
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -142,6 +158,8 @@ def command(
     plot_demand: Path | None,
     prior_path: Path | None,
     rig_path: Path | None,
+    timing_path: Path | None,
+    bracket: str | None,
     output: Path,
     plot: Path | None,
     pareto: bool,
@@ -157,6 +175,7 @@ def command(
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --candidates fibonacci:300 --shots 196
         gonio plan --rig rig.toml --plot directions.png
+        gonio plan --bracket predicted           only the exposures that a shot may need
         gonio plan --scene wall.toml             only what the scene asks for
         gonio plan --pareto                      how many shots are worth their time
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
@@ -164,6 +183,7 @@ def command(
 
     from gonio.cli._pareto import write_pareto
     from gonio.cli._prior import material_prior
+    from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
     from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
@@ -187,10 +207,14 @@ def command(
             "--pareto tries densities of its own; leave out --density, --views, --lights, --shots, "
             "--scene, --isotropic and --plot"
         )
+    rig = load_rig(rig_path) if rig_path else default_rig()
+    timing = timing_for(rig, rig_path, timing_path)
+    # how bright shots come out hangs on the camera, of which only a measurement tells
+    bracket = bracket or ("predicted" if timing else "all")
     if pareto and not every:
         _refuse_idle(criterion, "alike", seed, None)
     if not pareto:
-        _refuse_idle(criterion, weight, seed, prior_path)
+        _refuse_idle(criterion, weight, seed, None if bracket == "predicted" else prior_path)
         use.check(criterion, weight, output)
     prior = material_prior(prior_path) if prior_path else None
     if plot and plot.resolve() == output.resolve():
@@ -203,18 +227,16 @@ def command(
     both_views, both_lights = split_density(density)
     view_set = candidates_named(view_candidates or candidates)
     light_set = candidates_named(light_candidates or candidates)
+    believed = cache(lambda: prior or material_prior(None))
     settings: dict[str, Any] = {
         "view_candidates": view_set,
         "light_candidates": light_set,
         "demand": cosine_demand if weight == "cosine" else None,
         "max_theta_deg": max_theta_deg,
         "seed": seed or 0,
+        "timing": timing,
+        "bracket": bracket,
     }
-    rig = load_rig(rig_path) if rig_path else default_rig()
-
-    def believed() -> Prior:
-        return prior or material_prior(None)
-
     if pareto:
         settings["prior"] = believed
         write_pareto(output.parent, None if every else criterion, rig, settings)
@@ -275,9 +297,10 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
         yield from spared_rows(left_out)
-    yield "estimated time", duration(estimates.total_s)
-    for name in ("moving", "settling", "exposing", "overhead"):
+    yield "estimated time", _with_interval(estimates)
+    for name in ("moving", "settling", "exposing", "overhead", "homing"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
+    yield "  timing", _timing_of(estimates)
     yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
     yield "route", selection.route
 
@@ -295,6 +318,22 @@ def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path
         raise BadInputError(f"criterion {criterion} weighs no pairs; leave out --weight")
     if seed is not None and criterion != "random":
         raise BadInputError(f"criterion {criterion} draws nothing; leave out --seed")
+
+
+def _with_interval(estimates: Estimates) -> str:
+    from gonio.words import duration
+
+    total = duration(estimates.total_s)
+    if estimates.total_hi_s is None:
+        return total
+    reach_s = estimates.total_hi_s - estimates.total_s
+    return f"{total} +- {duration(reach_s)} (5 to 95 %)"
+
+
+def _timing_of(estimates: Estimates) -> str:
+    if estimates.timing_sha256 is None:
+        return "as built in; measure yours: gonio rig bench"
+    return f"measured, sha256 {estimates.timing_sha256[:12]}"
 
 
 def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None:

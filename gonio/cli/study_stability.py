@@ -60,8 +60,12 @@ def command(*, material: str, output: Path) -> None:
     samples = samples_of(truth, pairs)
     inputs = np.concatenate([samples.view, samples.light], axis=1)
     data = inputs, np.clip(samples.value / truth.white, 0.0, 1.0)
-    with progress_bar("measuring") as progress:
-        section = _section(truth.name, data, progress)
+    try:
+        with progress_bar("measuring") as progress:
+            section = _section(truth.name, data, progress)
+    except KeyboardInterrupt as stop:
+        stop.args = ("nothing is kept, and the same command begins anew",)
+        raise
     output.mkdir(parents=True, exist_ok=True)
     for part, grid in zip(PARTS, section.grids, strict=True):
         write_grid(output / f"stability-{part}.csv", grid)

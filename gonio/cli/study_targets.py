@@ -41,6 +41,7 @@ def command(setting: Setting, *, activations: str | None) -> None:
     from gonio.report.study import summary_section, write_study
     from nnbrdf.activations import ACTIVATIONS
     from nnbrdf.studies import designs
+    from nnbrdf.studies.export import write_agreements, write_settings
 
     names = names_in(activations, list(ACTIVATIONS), "activation")
     designed = {
@@ -58,6 +59,8 @@ def command(setting: Setting, *, activations: str | None) -> None:
         }
         sections.append(summary_section(errors))
     write_trainings(setting, "targets", list(outcomes.values()))
+    write_settings(setting.folder / "targets-eps8.csv", ranked)
+    write_agreements(setting.folder / "targets-tau.csv", ranked)
     page = setting.folder / "targets.html"
     write_study(page, TITLE, ABOUT, sections, setting.notes)
     for section in sections:

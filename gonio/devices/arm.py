@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
+from gonio.approach import first_stop_deg
 from gonio.clearance import limits_of
 from gonio.devices.axis import AxisDrive
 from gonio.devices.registers import DriveRegisters
@@ -13,10 +14,9 @@ from gonio.errors import BadInputError, DeviceFaultError, GonioError
 from gonio.profiles import load_profile
 from gonio.rig import AXES
 from gonio.swept import START_SKEW_S
-from gonio.timemodel import approach_start_deg
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from gonio.clock import Clock
     from gonio.rig import Rig
@@ -68,8 +68,13 @@ class Arm:
             for axis in self._axes.values():
                 axis.enable()
 
-    def home(self) -> None:
+    def home(self, anew: Collection[str] = ()) -> None:
         """Home all axes that do not know their position, at once.
+
+        Parameters
+        ----------
+        anew
+            Names of axes to home though they know it.
 
         Raises
         ------
@@ -79,7 +84,9 @@ class Arm:
         with self._stopped_on_fault():
             timeout_s = self._rig.arm.homing_timeout_s
             deadline_s = self._clock.now() + timeout_s
-            waiting = [axis for axis in self._axes.values() if axis.begin_homing()]
+            waiting = [
+                axis for name, axis in self._axes.items() if axis.begin_homing(anew=name in anew)
+            ]
             while waiting := [axis for axis in waiting if not axis.has_homed()]:
                 if self._clock.now() >= deadline_s:
                     raise waiting[0].fault(f"is not home after {timeout_s:g} s")
@@ -104,6 +111,11 @@ class Arm:
         gonio.errors.DeviceFaultError
             When an axis is not homed, a drive refuses or fails, or the arm does not get still.
         """
+        self.go(angles_deg, via)
+        self.settle(angles_deg)
+
+    def go(self, angles_deg: Mapping[str, float], via: Sequence[Mapping[str, float]] = ()) -> None:
+        """Move as `move` does, and wait until the axes are in position, however they shake."""
         for angles in (*via, angles_deg):
             self._check_reach(angles)
         with self._stopped_on_fault():
@@ -113,7 +125,21 @@ class Arm:
             if detours:
                 self._go({**angles_deg, **detours})
             self._go({name: angles_deg[name] for name in detours or angles_deg})
+
+    def settle(self, angles_deg: Mapping[str, float]) -> None:
+        """Wait until the arms of the axes named are still.
+
+        Raises
+        ------
+        gonio.errors.DeviceFaultError
+            When one does not get still.
+        """
+        with self._stopped_on_fault():
             self._settle(angles_deg)
+
+    def shaking_urad(self, name: str) -> int:
+        """Return the residual vibration of the arm of an axis; 65535 while it moves."""
+        return self._axes[name].settle_urad()
 
     def angles_deg(self) -> dict[str, float]:
         """Return where all axes are by their encoders, in degrees."""
@@ -144,7 +170,7 @@ class Arm:
         detours = {}
         for name, angle in angles_deg.items():
             axis = self._axes[name]
-            start = float(approach_start_deg(axis.degrees(), angle, axis.spec))
+            start = float(first_stop_deg(axis.degrees(), angle, axis.spec))
             if start != angle:
                 detours[name] = start
         return detours

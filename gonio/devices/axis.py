@@ -48,10 +48,13 @@ class AxisDrive(Drive):
         """Return the residual vibration of the axis' arm."""
         return self._registers.read("settle_urad")
 
-    def begin_homing(self) -> bool:
-        """Start homing, unless the position is known; return whether it was started."""
+    def begin_homing(self, *, anew: bool = False) -> bool:
+        """Start homing, unless the position is known and not to be found anew.
+
+        Returns whether it was started.
+        """
         self._set_mode(HOMING)
-        self.homed = self._knows_position()
+        self.homed = self._knows_position() and not anew
         if self.homed:
             self._set_mode(PROFILE_POSITION)
             return False

@@ -8,6 +8,7 @@ from gonio.files import write_bytes
 from gonio.report.summary import summarize
 from gonio.report.truth import truth_of
 from gonio.samples import Flag
+from gonio.score import score_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -93,6 +94,7 @@ def _render(
         "timings": _timings(session),
         "simulated": session is not None and session.sim.is_dir(),
         "measured_on": provenance.measured_on(session),
+        "score": score_of(session) if session else None,
         "versions": provenance.versions(),
         "hashes": provenance.hashes(model, samples, session),
         "drawn": draw_all(model, samples, chain, truth),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -21,11 +21,12 @@ _LABEL_PT = 7.0
 _WIDTH_OF_LETTER = 0.56
 _REACH_PT = (5.0, 12.0, 20.0, 30.0, 42.0, 56.0)
 _SIDES = 16
+_LEAST, _LEAST_SHARE = 1e-6, 1e-4
 
 
 @dataclass(frozen=True)
 class Point:
-    """One competitor: its name, its seconds and its error, both above zero; its kind, if any."""
+    """One competitor: its name, its seconds and its error, neither below zero; its kind, if any."""
 
     name: str
     seconds: float
@@ -45,7 +46,8 @@ def draw_pareto(
     Parameters
     ----------
     points
-        At least one.
+        At least one. What is less than a ten-thousandth of the largest is drawn there, since a
+        logarithmic axis has no zero.
     error_name, time_name
         What the axes say.
     size_in
@@ -55,6 +57,7 @@ def draw_pareto(
     """
     figure = new_figure(*size_in)
     axes = figure.subplots()
+    points = _off_zero(points)
     best = pareto_front(points)
     _draw_points(axes, points, best)
     if knee:
@@ -98,6 +101,18 @@ def pareto_front(points: Sequence[Point]) -> list[Point]:
         if not front or point.error < front[-1].error:
             front.append(point)
     return front
+
+
+def _off_zero(points: Sequence[Point]) -> list[Point]:
+    """Return points that a logarithmic axis can show, and that leave room for the others."""
+    least_seconds, least_error = (
+        max(_LEAST, _LEAST_SHARE * max(getattr(p, field) for p in points))
+        for field in ("seconds", "error")
+    )
+    return [
+        replace(p, seconds=max(p.seconds, least_seconds), error=max(p.error, least_error))
+        for p in points
+    ]
 
 
 def _scale(axes: Axes, axis: str, values: Sequence[float]) -> None:

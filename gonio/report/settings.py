@@ -9,8 +9,7 @@ from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
 from gonio.report.grids import DIGITS, NAMES, Grid, Line, Section, identifier, number
 from gonio.report.pareto import Point, draw_pareto
-from nnbrdf.studies.settings import agreement
-from nnbrdf.studies.tables import ranking
+from nnbrdf.studies.tables import means_of, ranking
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -33,19 +32,17 @@ def settings_section(material: str, settings: Mapping[str, Ranked]) -> Section:
 
 
 def _side_by_side(settings: Mapping[str, Ranked]) -> Grid:
-    recipe = next(iter(settings.values())).errors
-    digits = DIGITS[recipe.metric]
-    means = [{row.name: row.mean for row in each.errors.rows} for each in settings.values()]
-    order = ranking(recipe)
+    metric = next(iter(settings.values())).errors.metric
+    rows = means_of([each.errors for each in settings.values()])
     lines = tuple(
-        Line((name, *(number(mean[name], digits) for mean in means)), best=name == order[0])
-        for name in order
+        Line((name, *(number(mean, DIGITS[metric]) for mean in means)), best=index == 0)
+        for index, (name, *means) in enumerate(rows)
     )
-    return Grid(f"{NAMES[recipe.metric]}: mean of the subsets", ("", *settings), lines)
+    return Grid(f"{NAMES[metric]}: mean of the subsets", ("", *settings), lines)
 
 
 def _orders(settings: Mapping[str, Ranked]) -> Grid:
-    recipe = next(iter(settings.values())).errors
+    recipe = next(iter(settings.values()))
     head = (
         "setting", "Kendall's tau to the recipe", "between its own seeds",
         "best", "second", "third", "rank of softsign",
@@ -54,12 +51,11 @@ def _orders(settings: Mapping[str, Ranked]) -> Grid:
     return Grid("What it does to the ranking", head, lines)
 
 
-def _order_line(name: str, recipe: Table, ranked: Ranked) -> Line:
+def _order_line(name: str, recipe: Ranked, ranked: Ranked) -> Line:
     ranks = {row.name: row.rank for row in ranked.errors.rows}
     first, second, third = [*ranking(ranked.errors), "", ""][:3]
-    tau = agreement(recipe, ranked.errors)
-    own = None if ranked.halves is None else agreement(*ranked.halves)
-    agreements = ("" if each is None else f"{each:.2f}" for each in (tau, own))
+    taus = (ranked.tau_to(recipe), ranked.tau_between_seeds)
+    agreements = ("" if each is None else f"{each:.2f}" for each in taus)
     cells = (name, *agreements, first, second, third, str(ranks.get("softsign", "")))
     return Line(cells, best=False)
 
@@ -68,7 +64,8 @@ def _pareto(material: str, settings: Mapping[str, Ranked]) -> Drawing | None:
     points = [
         Point(name, seconds, error)
         for name, ranked in settings.items()
-        if (seconds := _middle(ranked.times)) and (error := _middle(ranked.errors))
+        if (seconds := _middle(ranked.times)) is not None
+        and (error := _middle(ranked.errors)) is not None
     ]
     if not points:
         return None

@@ -155,14 +155,18 @@ def _race_grid(subset: str, results: Sequence[Result]) -> Grid:
     lines = tuple(
         Line(
             (
-                one.name, str(one.numbers), f"{one.scores.eps8:.2f}", f"{one.scores.male:.3f}",
-                f"{one.scores.cube_root_rmse:.4f}", f"{one.scores.sphere_psnr_db:.1f}",
-                f"{one.fit_seconds:.3f}", f"{one.million_seconds:.3f}",
+                one.name,
+                str(one.numbers),
+                # times have as many digits as one another
+                *(
+                    number(cell, DIGITS.get(name, DIGITS["seconds"]))
+                    for name, cell in one.cells().items()
+                ),
             ),
-            best=one is results[0],
+            best=one is results[0] and math.isfinite(one.scores.male),
         )
         for one in results
-    )  # fmt: skip
+    )
     return Grid(f"{subset}, best male first", head, lines)
 
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -89,6 +90,7 @@ class Trainer {
 
     std::int64_t run(std::int64_t steps) {
         py::gil_scoped_release unlocked;
+        const std::lock_guard<std::mutex> lock(mutex_);
         if (!state_.failed && steps > 0) functions_of<T>(isa_).run(state_, steps);
         return state_.step;
     }
@@ -102,6 +104,7 @@ class Trainer {
         Array<T> outputs({rows, std::int64_t(state_.sizes[state_.layers])});
         T* const data = outputs.mutable_data();
         py::gil_scoped_release unlocked;
+        const std::lock_guard<std::mutex> lock(mutex_);
         functions_of<T>(isa_).predict(state_, padded.get(), rows, data);
         return outputs;
     }
@@ -112,16 +115,38 @@ class Trainer {
         for (std::int64_t i = 0; i < samples.size(); ++i)
             if (samples.data()[i] >= state_.samples)
                 throw std::invalid_argument("there is no such sample");
+        const auto lock = held();
         functions_of<T>(isa_).gradient(state_, samples.data(), int(samples.size()));
         return read(state_.gradients);
     }
 
-    std::vector<Array<T>> layers() const { return read(state_.weights); }
-    std::int64_t step() const { return state_.step; }
-    bool failed() const { return state_.failed; }
-    Array<std::uint32_t> order() const { return Array<std::uint32_t>(state_.samples, state_.order); }
+    std::vector<Array<T>> layers() const {
+        const auto lock = held();
+        return read(state_.weights);
+    }
+
+    std::int64_t step() const {
+        const auto lock = held();
+        return state_.step;
+    }
+
+    bool failed() const {
+        const auto lock = held();
+        return state_.failed;
+    }
+
+    Array<std::uint32_t> order() const {
+        const auto lock = held();
+        return Array<std::uint32_t>(state_.samples, state_.order);
+    }
 
    private:
+    // nobody waits for the state with the GIL in hand: who has the state may want the GIL
+    std::unique_lock<std::mutex> held() const {
+        py::gil_scoped_release unlocked;
+        return std::unique_lock<std::mutex>(mutex_);
+    }
+
     int width() const { return isa_.bytes / int(sizeof(T)); }
 
     void take_sizes(const std::vector<Array<T>>& layers) {
@@ -214,6 +239,7 @@ class Trainer {
     }
 
     const Isa& isa_;
+    mutable std::mutex mutex_;  // one thread at a time has the state
     State<T> state_;
     Buffer<T> inputs_, targets_;
     Buffer<std::uint32_t> order_;

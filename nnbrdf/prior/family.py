@@ -190,6 +190,18 @@ class Family:
             exchange_variance(traits.pairs, isotropic=self.isotropic),
         )
 
+    def expected(self, pairs: Pairs, settings: Settings) -> tuple[Array, Array]:
+        """Return mean and variance of ln(BRDF + 0.01 white) in 1/sr at pairs, shape (n,) each.
+
+        The scale is that of the examples' whites, taken as independent of the shape: among the
+        examples those with strong highlights are dark, which real materials need not be.
+        """
+        traits, scale = self.traits(pairs), np.log(self.white)
+        middle = scale @ self.weights
+        spread = self.weights @ (scale - middle) ** 2
+        variance = self.variances(traits).total(settings) - EXPOSURE + spread
+        return traits.mean + middle, variance + settings.noise
+
     def _of_examples(self, a: Traits, b: Traits) -> Array:
         total = a.examples @ b.examples.T
         total += EXPOSURE

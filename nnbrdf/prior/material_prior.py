@@ -70,6 +70,15 @@ class MaterialPrior:
             for family, share in zip(self.families, shares, strict=True)
         ]
 
+    def expected(self, light: Array, view: Array) -> tuple[Array, Array]:
+        """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
+        pairs = Pairs.of(light, view)
+        shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
+        told = [family.expected(pairs, _EXPECTED) for family in self.families]
+        mean, variance = (np.array(each) for each in zip(*told, strict=True))
+        middle = shares @ mean
+        return middle, np.sqrt(shares @ (variance + (mean - middle) ** 2))
+
     def learn(self, materials: Sequence[LearnedMaterial]) -> MaterialPrior:
         """Return the prior with materials that were measured added to what it has.
 

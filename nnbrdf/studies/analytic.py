@@ -15,7 +15,7 @@ from nnbrdf.fitting import fit_model
 from nnbrdf.metrics import Scores, score
 from nnbrdf.network import glorot_uniform
 from nnbrdf.studies.job import METRICS
-from nnbrdf.studies.tables import median_of
+from nnbrdf.studies.tables import known_of, median_of
 from nnbrdf.timing import million_seconds
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ class Result:
     numbers
         How many parameters or weights it has.
     scores
-        Over the 81 x 81 grid; of networks the medians over the seeds, infinite where most diverged.
+        Over the 81 x 81 grid; of networks the medians over the seeds, infinite where half or more
+        diverged.
     fit_seconds
         What the fit took, or the training of one network.
     million_seconds
@@ -53,6 +54,12 @@ class Result:
     scores: Scores
     fit_seconds: float
     million_seconds: float
+
+    def cells(self) -> dict[str, float | None]:
+        """Return errors and times by the names of metrics; None where half or more diverged."""
+        scores = {metric: known_of(getattr(self.scores, metric), metric) for metric in METRICS}
+        seconds = known_of(self.fit_seconds, "fit_seconds")
+        return scores | {"fit_seconds": seconds, "million_seconds": self.million_seconds}
 
 
 def samples_of(truth: Truth, pairs: NDArray[np.int64]) -> Samples:

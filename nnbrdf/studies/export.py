@@ -7,7 +7,7 @@ import io
 from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
-from nnbrdf.studies.tables import BIGGER_IS_BETTER
+from nnbrdf.studies.tables import BIGGER_IS_BETTER, means_of, ranking
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from nnbrdf.studies.analytic import Result
     from nnbrdf.studies.job import Outcome
+    from nnbrdf.studies.settings import Ranked
     from nnbrdf.studies.tables import Table
 
 
@@ -56,6 +57,41 @@ def write_table(path: Path, tables: Sequence[Table]) -> None:
     _write(path, [head, *lines])
 
 
+def write_settings(path: Path, ranked: Mapping[str, Mapping[str, Ranked]]) -> None:
+    """Write the mean error under each setting by material, one line a row, a column a setting.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = ["material", "name", *next(iter(ranked.values()))]
+    lines = [
+        [material, *row]
+        for material, settings in ranked.items()
+        for row in means_of([each.errors for each in settings.values()])
+    ]
+    _write(path, [head, *lines])
+
+
+def write_agreements(path: Path, ranked: Mapping[str, Mapping[str, Ranked]]) -> None:
+    """Write what each setting does to the ranking by material, one line a setting.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When the operating system refuses.
+    """
+    head = ["material", "setting", "tau_to_recipe", "tau_between_seeds", "best", "second", "third"]
+    lines = [
+        [material, name, one.tau_to(recipe), one.tau_between_seeds, *ranking(one.errors)[:3]]
+        for material, settings in ranked.items()
+        for recipe in [next(iter(settings.values()))]
+        for name, one in settings.items()
+    ]
+    _write(path, [head, *lines])
+
+
 def write_results(path: Path, results: Mapping[str, Sequence[Result]]) -> None:
     """Write the results of analytic models by material, one line each.
 
@@ -64,15 +100,13 @@ def write_results(path: Path, results: Mapping[str, Sequence[Result]]) -> None:
     gonio.errors.StorageError
         When the operating system refuses.
     """
-    head = ["material", "name", "subset", "parameters", "eps8", "male", "cube_root_rmse",
-            "sphere_psnr_db", "fit_seconds", "million_seconds"]  # fmt: skip
     lines = [
-        [material, one.name, one.subset, one.numbers, one.scores.eps8, one.scores.male,
-         one.scores.cube_root_rmse, one.scores.sphere_psnr_db, one.fit_seconds, one.million_seconds]
+        {"material": material, "name": one.name, "subset": one.subset, "parameters": one.numbers}
+        | one.cells()
         for material, group in results.items()
         for one in group
-    ]  # fmt: skip
-    _write(path, [head, *lines])
+    ]
+    _write(path, [list(lines[0]), *(line.values() for line in lines)])
 
 
 def _write(path: Path, lines: Iterable[Iterable[object]]) -> None:

@@ -31,6 +31,15 @@ class Ranked:
     times: Table
     halves: tuple[Table, Table] | None
 
+    def tau_to(self, other: Ranked) -> float | None:
+        """Return Kendall's tau between the ranking of this setting and of another."""
+        return agreement(other.errors, self.errors)
+
+    @property
+    def tau_between_seeds(self) -> float | None:
+        """Kendall's tau between the rankings of the halves; None for a single seed."""
+        return None if self.halves is None else agreement(*self.halves)
+
 
 def rank_setting(outcomes: Sequence[Outcome], row_of: Callable[[Job], str]) -> Ranked:
     """Return the tables of one setting.

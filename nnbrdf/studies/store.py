@@ -6,7 +6,7 @@ import fcntl
 import json
 import os
 from contextlib import contextmanager
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
@@ -17,6 +17,7 @@ from nnbrdf.studies.job import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from io import FileIO
     from pathlib import Path
 
 RESULTS_NAME = "results.jsonl"
@@ -56,7 +57,8 @@ def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
     path = folder / RESULTS_NAME
     with _refused(path):
         folder.mkdir(parents=True, exist_ok=True)
-        file = path.open("ab")
+        # what is refused when it is written must not come again, and bare, when the file is closed
+        file = path.open("ab", buffering=0)
     with file:
         with _refused(path):
             _hold(file, folder)
@@ -65,8 +67,7 @@ def appending(folder: Path) -> Iterator[Callable[[Outcome], None]]:
 
         def append(outcome: Outcome) -> None:
             with _refused(path):
-                file.write(json.dumps(outcome.row()).encode() + b"\n")
-                file.flush()
+                _write(file, json.dumps(outcome.row()).encode() + b"\n")
                 os.fsync(file.fileno())
 
         # what else is refused meanwhile is not this file's
@@ -81,11 +82,17 @@ def _refused(path: Path) -> Iterator[None]:
         raise StorageError.from_os(path, error) from error
 
 
-def _hold(file: IO[bytes], folder: Path) -> None:
+def _write(file: FileIO, line: bytes) -> None:
+    """Write a line whole; a system may take only a part of it at once."""
+    while line:
+        line = line[file.write(line) :]
+
+
+def _hold(file: FileIO, folder: Path) -> None:
     """Hold the file against other processes; the lock goes with it."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except BlockingIOError:
         raise BadInputError(
             f"{folder}: another study writes its results here; wait for it, or give another -o"
         ) from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass
-from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ class Row:
     name
         What was varied.
     cells
-        Median over the seeds, a column each; None where most of them diverged.
+        Median over the seeds, a column each; None where half of them or more diverged.
     mean
         Of the cells; None where a cell is.
     rank
@@ -98,6 +97,15 @@ def ranking(table: Table) -> list[str]:
     return [row.name for row in sorted(table.rows, key=lambda row: row.rank)]
 
 
+def means_of(tables: Sequence[Table]) -> list[tuple[str, *tuple[float | None, ...]]]:
+    """Return the means of several tables of the same rows: a name and a mean each, a line a row.
+
+    Lines go by the rank in the first.
+    """
+    means = [{row.name: row.mean for row in table.rows} for table in tables]
+    return [(name, *(each[name] for each in means)) for name in ranking(tables[0])]
+
+
 def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
     """Return the mean rank of each row over several tables of the same rows."""
     ranks = [{row.name: row.rank for row in table.rows} for table in tables]
@@ -107,11 +115,22 @@ def mean_ranks(tables: Sequence[Table]) -> dict[str, float]:
 def median_of(outcomes: Sequence[Outcome], metric: str) -> float:
     """Return the median; what diverged is worse than anything, and so is what was never trained.
 
-    A training has no `sphere_psnr_db` where its picture is perfect: it is infinite.
+    A training has no `sphere_psnr_db` where its picture is perfect: it is infinite. Of two in the
+    middle that are not both finite, it is the worse.
     """
     worst = worst_of(metric)
     values = [worst if outcome.diverged else getattr(outcome, metric) for outcome in outcomes]
-    return median(math.inf if value is None else value for value in values) if values else worst
+    known = sorted((math.inf if each is None else each for each in values), reverse=worst < 0.0)
+    if not known:
+        return worst
+    better, worse = known[(len(known) - 1) // 2], known[len(known) // 2]
+    # the mean of two infinities may be no number
+    return (better + worse) / 2.0 if math.isfinite(better) and math.isfinite(worse) else worse
+
+
+def known_of(value: float, metric: str) -> float | None:
+    """Return a median as a table has it: None where half of the trainings or more diverged."""
+    return None if value == worst_of(metric) else value
 
 
 def worst_of(metric: str) -> float:
@@ -144,7 +163,8 @@ def _table(
         cells[row_of(outcome.job)][column_of(outcome.job)].append(outcome)
     columns = tuple(dict.fromkeys(column for row in cells.values() for column in row))
     medians = {
-        name: tuple(_cell(row[column], metric) for column in columns) for name, row in cells.items()
+        name: tuple(known_of(median_of(row[column], metric), metric) for column in columns)
+        for name, row in cells.items()
     }
     means = {name: _mean(values) for name, values in medians.items()}
     sign = -1.0 if metric in BIGGER_IS_BETTER else 1.0
@@ -161,11 +181,6 @@ def _table(
         for name, mean in means.items()
     ]
     return Table(material, metric, columns, tuple(rows))
-
-
-def _cell(outcomes: Sequence[Outcome], metric: str) -> float | None:
-    value = median_of(outcomes, metric)
-    return None if value == worst_of(metric) else value
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

@@ -10,9 +10,9 @@ import numpy as np
 
 from gonio.errors import BadInputError
 from gonio.plan import LeftOut
+from planner.beliefs import IsotropicOnly, RememberedPrior
 from planner.information import Unknown
 from planner.optimal import RANK, unknown_of
-from planner.scene.beliefs import IsotropicOnly, Remembered
 from planner.scene.expected import Expected, expected_error
 from planner.scene.use import NOT_ASKED, SAME_AZIMUTH
 from planner.search import Measure, best_pairs
@@ -97,7 +97,7 @@ def plan_for_use(
         When nothing is left to measure, or fewer pairs than are asked for.
     """
     _check_count(wanted, field_of(use.omissions()))
-    remembered = Remembered(prior)
+    remembered = RememberedPrior(prior)
     judge = _Judge.of(use, field_of({}), remembered)
     last = judge.step(make(prior=lambda: remembered, shots=wanted.shots))
     most, target = len(last.plan.shots), last.expected.inside

@@ -26,9 +26,10 @@ from gonio.materials import MeasuredTable
 from gonio.rig import default_rig
 from nnbrdf.posterior_model import PriorEstimator
 from nnbrdf.prior import MaterialPrior
+from planner.beliefs import RememberedPrior
 from planner.candidates import paper_candidates
 from planner.criteria import CRITERIA
-from planner.expected import RANK, ExpectedError, RememberedPrior
+from planner.expected import RANK, ExpectedError
 from planner.field import Field
 from planner.locate import rows_of
 from planner.make import make_plan
@@ -73,7 +74,7 @@ def judge_all(tables: Sequence[MeasuredTable]) -> list[Judged]:
     candidates = paper_candidates()
     field = Field(candidates, candidates, np.ones((81, 81), bool))
     prior = MaterialPrior.generate()
-    known = RememberedPrior(prior, RANK)
+    known = RememberedPrior(lambda: prior, RANK)
     expected = ExpectedError(field, known)
     plan_of = partial(make_plan, default_rig(), prior=lambda: known)
     estimator = PriorEstimator(prior=prior)

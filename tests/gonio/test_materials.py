@@ -149,12 +149,17 @@ BAD = [
     (
         "negative",
         npz(values=with_value(-0.5)),
-        "values[7, 3, 1] (light, view, channel) is -0.5, negative or not finite; expected",
+        "values[7, 3, 1] (light, view, channel) is -0.5, negative; expected",
     ),
     (
         "not finite",
         npz(values=ONES * np.nan),
-        "values[0, 0, 0] (light, view, channel) is nan, negative or not finite, as are 19682 more",
+        "values[0, 0, 0] (light, view, channel) is nan, not finite; in all, 19683 values are no",
+    ),
+    (
+        "below everything",
+        npz(values=with_value(-np.inf)),
+        "values[7, 3, 1] (light, view, channel) is -inf, not finite; expected",
     ),
     ("black", npz(values=0 * ONES), "has no white, and 4 x the median of its values"),
     ("black by white", npz(values=ONES, white=0.0), "white is 0, no positive number"),

@@ -31,7 +31,7 @@ def test_the_file_and_the_table_agree(gonio, tmp_path, options, views, lights, s
     assert f"{shots}, {shots / 6561:.1%} of the full set" in result.stdout
     assert f"{plan.selection.reciprocal_pairs} pairs" in result.stdout
     assert plan.sha256 in result.stdout
-    for word in ("moving", "settling", "exposing", "overhead", "storage", "not chosen"):
+    for word in ("moving", "settling", "exposing", "overhead", "homing", "storage", "not chosen"):
         assert word in result.stdout
 
 

@@ -12,6 +12,9 @@ import sys
 import numpy as np
 import pytest
 
+from gonio.cli import main
+from gonio.cli._main import _Terminated
+
 QUICK = ("--subsets", "vs-is", "--seeds", "2", "--steps", "20")
 
 
@@ -113,6 +116,19 @@ def test_a_long_training_stops_at_once(gonio, tmp_path):
     assert "stopped" in said
 
 
+def test_a_disk_that_is_full_is_one_line(tmp_path):
+    command = (
+        f"ulimit -f 2; {sys.executable} -m gonio study activations satin -o full --steps 50"
+        " --seeds 2 --subsets vs-is --networks 3-6-4"
+    )
+    ran = subprocess.run(
+        ["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 3
+    (line,) = ran.stderr.splitlines()
+    assert line.startswith("gonio: full/results.jsonl: cannot be written (File too large)")
+
+
 def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
     ran = gonio("study", "targets", "satin", "velvet", "--subsets", "vs-is", "--seeds", "2",
                 "--steps", "10", "--activations", "softsign,relu")  # fmt: skip
@@ -121,6 +137,27 @@ def test_targets_of_two_materials_are_summed_up(gonio, tmp_path):
     page = (tmp_path / "study" / "targets.html").read_text()
     assert page.count("<svg") == 2
     assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_targets_as_tables_say_what_the_page_says(gonio, tmp_path):
+    ran = gonio("study", "targets", "satin", "velvet", "--subsets", "vs-is", "--seeds", "2",
+                "--steps", "10", "--activations", "softsign,relu,gelu")  # fmt: skip
+    assert "tables: study/targets-*.csv" in ran.stdout
+    page = (tmp_path / "study" / "targets.html").read_text()
+    shown = [re.findall(r">([^<]*)</t[hd]>", row) for row in re.findall(r"<tr.*?</tr>", page)]
+    settings = ["as in the recipe", "targets to 255", "white x 0.5", "white x 2"]
+    errors = lines(tmp_path / "study" / "targets-eps8.csv")
+    assert list(errors[0]) == ["material", "name", *settings]
+    assert [row["material"] for row in errors] == ["satin"] * 3 + ["velvet"] * 3
+    for row in errors:
+        assert [row["name"], *(f"{float(row[name]):.2f}" for name in settings)] in shown
+    orders = lines(tmp_path / "study" / "targets-tau.csv")
+    assert [row["setting"] for row in orders] == settings * 2
+    for row in orders:
+        taus = [f"{float(row[name]):.2f}" for name in ("tau_to_recipe", "tau_between_seeds")]
+        assert [row["setting"], *taus, row["best"], row["second"], row["third"]] in [
+            cells[:6] for cells in shown
+        ]
 
 
 def test_analytic(gonio, tmp_path):
@@ -192,14 +229,29 @@ def test_another_white_is_another_material(tmp_path):
 
 
 def test_stability_without_torch_is_one_line(tmp_path, monkeypatch, capsys):
-    from gonio.cli import main
-
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     monkeypatch.setattr("sys.argv", ["gonio", "study", "stability", "-o", str(tmp_path / "out")])
     with pytest.raises(SystemExit) as stop:
         main()
     assert stop.value.code == 2
     assert "gonio[nn]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("stop", "code"), [(KeyboardInterrupt, 130), (_Terminated, 143)])
+def test_stability_that_is_stopped_says_that_nothing_is_kept(
+    tmp_path, monkeypatch, capsys, stop, code
+):
+    def interrupt(*arguments):
+        raise stop
+
+    monkeypatch.setattr("gonio.cli.study_stability._section", interrupt)
+    monkeypatch.setattr("sys.argv", ["gonio", "study", "stability", "-o", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == code
+    said = capsys.readouterr().err.strip()
+    assert said == "gonio: stopped; nothing is kept, and the same command begins anew"
+    assert not (tmp_path / "out").exists()
 
 
 BAD = {

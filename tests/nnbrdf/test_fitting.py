@@ -1,7 +1,12 @@
 """Fitting: what made the samples is found again, and bad samples are refused or survived."""
 
+from dataclasses import replace
+from threading import Thread
+from time import perf_counter
+
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from gonio.directions import from_degrees, paper_directions
 from gonio.errors import BadInputError
@@ -9,6 +14,7 @@ from gonio.materials import MeasuredTable
 from gonio.samples import Samples
 from nnbrdf.fitting import MODELS, fit_model
 from nnbrdf.metrics import male
+from nnbrdf.timing import million_seconds
 
 each = pytest.mark.parametrize("name", MODELS)
 COLORS = np.array([[0.3, 0.2, 0.1], [0.4, 0.35, 0.3], [0.1, 0.1, 0.2]])
@@ -121,6 +127,57 @@ def test_a_solver_out_of_steps_says_so(monkeypatch):
     light, view = some_pairs(60)
     values = a_material("ggx").evaluate(light, view)
     assert not fit_model("ggx", Samples.from_values(light, view, values)).converged
+
+
+def fit_beside(monkeypatch, while_evaluating):
+    """Fit `lambert`, and do something else whenever it is evaluated."""
+    family = MODELS["lambert"]
+
+    def evaluate(pairs, shape):
+        while_evaluating()
+        return family.evaluate(pairs, shape)
+
+    monkeypatch.setitem(MODELS, "lambert", replace(family, evaluate=evaluate))
+    light, view = some_pairs(60)
+    return fit_model("lambert", Samples.from_values(light, view, np.full((60, 3), 0.2)))
+
+
+def test_the_time_of_a_fit_is_the_time_of_its_own_thread(monkeypatch):
+    spent = []
+
+    def work_elsewhere():
+        began = perf_counter()
+        thread = Thread(target=lambda: sum(range(1_000_000)))
+        thread.start()
+        thread.join()
+        spent.append(perf_counter() - began)
+
+    fit = fit_beside(monkeypatch, work_elsewhere)
+    assert fit.evaluations > 1
+    # the residual, told at the end, is evaluated after the clock has stopped
+    assert 0 < fit.seconds < 0.5 * sum(spent[: fit.evaluations])
+
+
+def test_a_fit_takes_one_core(monkeypatch):
+    threads = []
+    with threadpool_limits(2, "blas"):
+        fit_beside(monkeypatch, lambda: threads.extend(blas_threads()))
+        # what was allowed before is so after
+        assert set(blas_threads()) == {2}
+    assert set(threads) == {1}
+
+
+def test_a_million_pairs_take_one_core():
+    threads = []
+    with threadpool_limits(2, "blas"):
+        million_seconds(lambda light, view: threads.extend(blas_threads()))
+        assert set(blas_threads()) == {2}
+    assert set(threads) == {1}
+
+
+def blas_threads():
+    """Return how many threads each library of linear algebra has."""
+    return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
 
 
 def test_fewer_values_than_parameters():

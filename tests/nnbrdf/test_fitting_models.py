@@ -53,56 +53,193 @@ def test_what_claims_no_reciprocity_has_none():
 
 
 LIGHT, VIEW = from_degrees(30, 20), from_degrees(50, 100)
+BODY = 1 / math.pi
 
 
-def by_hand():
-    """Return cosines of light, view, half vector and light to it, and its slopes along x and y."""
-    hx, hy, hz = (a + b for a, b in zip(LIGHT.tolist(), VIEW.tolist(), strict=True))
-    length = math.sqrt(hx * hx + hy * hy + hz * hz)
-    between = sum(a * b for a, b in zip(LIGHT.tolist(), VIEW.tolist(), strict=True))
+def by_hand(phi=0.0):
+    """Return cosines of light, view, half vector and light to it, and its slopes along x and y.
+
+    As seen from a frame turned by `phi`.
+    """
+    lx, ly, lz = seen_from(phi, 30, 20)
+    vx, vy, vz = seen_from(phi, 50, 100)
+    length = math.sqrt((lx + vx) ** 2 + (ly + vy) ** 2 + (lz + vz) ** 2)
+    between = lx * vx + ly * vy + lz * vz
     # half of the angle between the two
-    return LIGHT[2], VIEW[2], hz / length, math.sqrt((1 + between) / 2), hx / hz, hy / hz
+    beside = math.sqrt((1 + between) / 2)
+    return lz, vz, (lz + vz) / length, beside, (lx + vx) / (lz + vz), (ly + vy) / (lz + vz)
+
+
+def seen_from(phi, theta_deg, phi_deg):
+    theta, azimuth = math.radians(theta_deg), math.radians(phi_deg) - phi
+    return (
+        math.sin(theta) * math.cos(azimuth),
+        math.sin(theta) * math.sin(azimuth),
+        math.cos(theta),
+    )
+
+
+def fresnel(f0, beside):
+    return f0 + (1 - f0) * (1 - beside) ** 5
+
+
+def mirrored():
+    """Cosine between the view and the mirrored light."""
+    (lx, ly, lz), (vx, vy, vz) = seen_from(0, 30, 20), seen_from(0, 50, 100)
+    return lz * vz - lx * vx - ly * vy
+
+
+def lambert():
+    return (BODY,)
+
+
+def minnaert():
+    light, view = math.cos(math.radians(30)), math.cos(math.radians(50))
+    return ((1.7 + 1) / (2 * math.pi) * (light * view) ** 0.7,)
+
+
+def oren_nayar():
+    # Fujii's A and B; both azimuths on one side, so t is the larger cosine
+    a = 1 / (math.pi + (math.pi / 2 - 2 / 3) * 0.6)
+    s = math.sin(math.radians(30)) * math.sin(math.radians(50)) * math.cos(math.radians(80))
+    return (a + 0.6 * a * s / math.cos(math.radians(30)),)
+
+
+def phong():
+    return BODY, (5 + 2) / (2 * math.pi) * mirrored() ** 5
+
+
+def blinn_phong():
+    half = by_hand()[2]
+    return BODY, 14 * 16 / (8 * math.pi * (2**-6 + 12)) * half**12
+
+
+def strauss():
+    smooth, metal = 0.6, 0.3
+    light, view = 30 / 90, 50 / 90
+
+    def f(x):
+        return (1 / (x - 1.12) ** 2 - 1 / 1.12**2) / (1 / (1 - 1.12) ** 2 - 1 / 1.12**2)
+
+    def g(x):
+        return (1 / (1 - 1.01) ** 2 - 1 / (x - 1.01) ** 2) / (1 / (1 - 1.01) ** 2 - 1 / 1.01**2)
+
+    diffuse = 1 - smooth**3
+    normal = 1 - diffuse
+    strength = min(1, normal + (normal + 0.1) * f(light) * g(light) * g(view))
+    lobe = strength * mirrored() ** (3 / (1 - smooth)) / (math.pi * math.cos(math.radians(30)))
+    # of the highlight, metals color what is not Fresnel's
+    surface = (1 - metal * smooth) * diffuse / math.pi + metal * (1 - f(light)) * lobe
+    return surface, (1 - metal * (1 - f(light))) * lobe
+
+
+def lafortune():
+    (lx, ly, lz), (vx, vy, vz) = seen_from(0.4, 30, 20), seen_from(0.4, 50, 100)
+    cosine = -0.9 * lx * vx - 0.7 * ly * vy + 0.95 * lz * vz
+    return BODY, (8 + 2) / (2 * math.pi) * cosine**8
+
+
+def schlick():
+    light, view, half, beside, x, y = by_hand(0.4)
+    r, p = 0.2, 0.5
+    zenith = r / (1 + r * half**2 - half**2) ** 2
+    # squared cosine between the grain and the half vector's projection
+    along = x * x / (x * x + y * y)
+    azimuth = math.sqrt(p / (p * p - p * p * along + along))
+    seen = light / (r - r * light + light) * view / (r - r * view + view)
+    lobe = (1 - seen) / math.pi + seen * zenith * azimuth / (4 * math.pi * light * view)
+    return BODY, lobe * fresnel(0.1, beside)
 
 
 def cook_torrance():
     light, view, half, beside, x, y = by_hand()
     facets = math.exp(-(x * x + y * y) / 0.3**2) / (math.pi * 0.3**2 * half**4)
     shadow = min(1, 2 * half * view / beside, 2 * half * light / beside)
-    return facets * shadow * (0.1 + 0.9 * (1 - beside) ** 5) / (4 * light * view)
+    return BODY, facets * shadow * fresnel(0.1, beside) / (4 * light * view)
 
 
 def torrance_sparrow():
     light, view, half, beside, _, _ = by_hand()
     facets = math.exp(-((math.acos(half) / 0.3) ** 2)) / (math.pi * 0.3**2)
     shadow = min(1, 2 * half * view / beside, 2 * half * light / beside)
-    return facets * shadow * (0.1 + 0.9 * (1 - beside) ** 5) / (4 * light * view)
+    return BODY, facets * shadow * fresnel(0.1, beside) / (4 * light * view)
 
 
 def ward():
-    light, view, _, _, x, y = by_hand()
+    light, view, _, _, x, y = by_hand(0.4)
     facets = math.exp(-((x / 0.2) ** 2) - (y / 0.5) ** 2) / (4 * math.pi * 0.2 * 0.5)
-    return facets / math.sqrt(light * view)
+    return BODY, facets / math.sqrt(light * view)
+
+
+def ward_bounded():
+    _, _, half, beside, x, y = by_hand(0.4)
+    facets = math.exp(-((x / 0.2) ** 2) - (y / 0.5) ** 2) / (math.pi * 0.2 * 0.5)
+    return BODY, facets / (4 * beside**2 * half**4)
+
+
+def ashikhmin_shirley():
+    light, view, half, beside, x, y = by_hand(0.4)
+    # n_u cos^2 + n_v sin^2 of the half vector's azimuth
+    exponent = (20 * x * x + 5 * y * y) / (x * x + y * y)
+    scale = math.sqrt((20 + 1) * (5 + 1)) / (8 * math.pi)
+    lobe = scale * half**exponent / (beside * max(light, view)) * fresnel(0.1, beside)
+    body = 28 / (23 * math.pi) * (1 - (1 - light / 2) ** 5) * (1 - (1 - view / 2) ** 5)
+    return body, lobe
 
 
 def edwards():
     light, view, half, beside, _, _ = by_hand()
     density = 11 / math.pi * (half * half) ** 10 * half
-    return density / (4 * beside * max(light, view)) * (0.1 + 0.9 * (1 - beside) ** 5)
+    return BODY, density / (4 * beside * max(light, view)) * fresnel(0.1, beside)
+
+
+def ggx_lobe(alpha_x, alpha_y):
+    _, _, half, beside, x, y = by_hand(0.4)
+    stretched = 1 + (x / alpha_x) ** 2 + (y / alpha_y) ** 2
+    facets = 1 / (math.pi * alpha_x * alpha_y * half**4 * stretched**2)
+    light, view = seen_from(0.4, 30, 20), seen_from(0.4, 50, 100)
+    hidden = 0
+    for x, y, z in (light, view):
+        # Smith's Lambda
+        hidden += (math.sqrt(1 + ((alpha_x * x) ** 2 + (alpha_y * y) ** 2) / z**2) - 1) / 2
+    return facets / (1 + hidden) * fresnel(0.1, beside) / (4 * light[2] * view[2])
+
+
+def ggx():
+    return BODY, ggx_lobe(0.2, 0.5)
+
+
+def ggx_two_lobes():
+    return BODY, ggx_lobe(0.2, 0.5), ggx_lobe(0.7, 0.3)
 
 
 BY_HAND = {
+    "lambert": ((), lambert),
+    "minnaert": ((1.7,), minnaert),
+    "oren-nayar": ((0.6,), oren_nayar),
+    "phong": ((5.0,), phong),
+    "blinn-phong": ((12.0,), blinn_phong),
+    "strauss": ((0.6, 0.3), strauss),
     "cook-torrance": ((0.3, 0.1), cook_torrance),
-    "torrance-sparrow": ((0.3, 0.1), torrance_sparrow),
-    "ward": ((0.2, 0.5, 0.0), ward),
+    "lafortune": ((-0.9, -0.7, 0.95, 8.0, 0.4), lafortune),
+    "schlick": ((0.2, 0.5, 0.1, 0.4), schlick),
+    "ward": ((0.2, 0.5, 0.4), ward),
+    "ward-bounded": ((0.2, 0.5, 0.4), ward_bounded),
+    "ashikhmin-shirley": ((20.0, 5.0, 0.1, 0.4), ashikhmin_shirley),
     "edwards": ((10.0, 0.1), edwards),
+    "torrance-sparrow": ((0.3, 0.1), torrance_sparrow),
+    "ggx": ((0.2, 0.5, 0.1, 0.4), ggx),
+    "ggx-two-lobes": ((0.2, 0.5, 0.7, 0.3, 0.1, 0.4), ggx_two_lobes),
 }
 
 
-@pytest.mark.parametrize(("name", "case"), BY_HAND.items(), ids=BY_HAND)
-def test_values_by_hand(name, case):
-    shape, value = case
-    lobe = MODELS[name].material(np.array(shape), np.array([[0.0] * 3, [1.0] * 3]))
-    assert lobe.evaluate(LIGHT, VIEW) == pytest.approx(np.full(3, value()), rel=1e-12)
+@each
+def test_values_by_hand(family):
+    shape, value = BY_HAND[family.name]
+    # a channel shows a term
+    shown = family.material(np.array(shape), np.eye(3)[: len(family.terms)])
+    terms = [*value(), 0, 0][:3]
+    assert shown.evaluate(LIGHT, VIEW) == pytest.approx(terms, rel=1e-12)
 
 
 def awkward_directions():

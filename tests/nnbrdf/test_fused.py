@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from threading import Barrier, Thread
 
 import numpy as np
 import pytest
@@ -209,6 +210,29 @@ def test_a_training_in_parts_is_the_training_in_one_go(name):
         parts.run(steps)
         parts.predict(some_samples(50)[0])
     for a, b in zip(whole.layers, parts.layers, strict=True):
+        assert np.array_equal(a, b)
+
+
+def test_two_threads_with_one_trainer_take_turns():
+    whole, shared = (a_trainer(a_start(), some_samples(70)) for _ in range(2))
+    whole.run(10_000)
+    together = Barrier(2)
+
+    def run():
+        together.wait()
+        shared.run(5000)
+
+    threads = [Thread(target=run) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    # who only looks waits for its turn as well
+    shared.predict(some_samples(50)[0])
+    shared.gradient(np.arange(32, dtype=np.uint32))
+    assert shared.step in (0, 5000, 10_000)
+    for thread in threads:
+        thread.join()
+    assert shared.step == 10_000
+    for a, b in zip(whole.layers, shared.layers, strict=True):
         assert np.array_equal(a, b)
 
 

@@ -4,8 +4,9 @@ import pytest
 from gonio.protocols import PriorKind
 from gonio.rig import default_rig
 from nnbrdf.prior import MaterialPrior
+from planner.beliefs import RememberedPrior
 from planner.candidates import candidates_named
-from planner.expected import ExpectedError, RememberedPrior
+from planner.expected import ExpectedError
 from planner.field import Field, cosine_demand
 from planner.information import NOISE
 from planner.make import make_plan
@@ -63,7 +64,7 @@ def test_one_factor_serves_all_and_is_what_a_shorter_one_would_be(prior):
             asked.append(rank)
             return prior.kinds(light, view, rank)
 
-    known = RememberedPrior(Counting(), 60)
+    known = RememberedPrior(Counting, 60)
     for rank in (20, 60, 20):
         for kind, own in zip(
             known.kinds(*FIELD.pairs, rank), prior.kinds(*FIELD.pairs, rank), strict=True
@@ -76,7 +77,7 @@ def test_one_factor_serves_all_and_is_what_a_shorter_one_would_be(prior):
 
 
 def swept(prior, designs, rig=None):
-    known = RememberedPrior(prior, 400)
+    known = RememberedPrior(lambda: prior, 400)
     judge = ExpectedError(FIELD, known)
     steps = []
 

@@ -83,8 +83,7 @@ def test_shots_are_in_route_order():
     plan = make_plan(RIG)
     angles_deg = pose_angles_deg(plan.shots)
     ring_by_ring = angles_deg[np.lexsort(angles_deg[:, [1, 0, 3, 2]].T)]
-    assert plan.estimates.moving_s == pytest.approx(route_times(angles_deg, RIG).sum())
-    assert plan.estimates.moving_s < 0.6 * route_times(ring_by_ring, RIG).sum()
+    assert route_times(angles_deg, RIG).sum() < 0.6 * route_times(ring_by_ring, RIG).sum()
 
 
 def test_a_shot_takes_every_exposure_with_every_lamp_on():

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 import sqlite3
 
@@ -50,6 +51,18 @@ def test_the_chain_leaves_what_it_promises(gonio, tmp_path):
     page = (session / "report.html").read_text()
     assert "<html" in page
     assert "http://" not in page.replace("http://www.w3.org", "")
+
+
+def test_a_capture_says_how_well_its_time_was_foretold_and_the_report_repeats_it(gonio, tmp_path):
+    ok(gonio("plan", "--density", "4", "--criterion", "farthest"))
+    said = ok(gonio("capture", "--sim", "--seed", "3"))
+    told = next(line for line in said.splitlines() if line.startswith("that is "))
+    sentence = told.removeprefix("that is ")
+    assert "than estimated, within the 5 to 95 % interval, and " in sentence
+    assert sentence.endswith(" once home")
+    assert float(re.findall(r"([\d.]+)%", sentence)[1]) < 1.0
+    ok(gonio("reconstruct", "session/", "--estimator", "paper", "--epochs", "2"))
+    assert sentence in (tmp_path / "session/report.html").read_text()
 
 
 def test_the_model_does_not_know_the_truth(gonio, tmp_path):

@@ -221,6 +221,36 @@ def test_the_page_shows_it_and_says_against_what(measure, against):
     ]
 
 
+def test_every_time_says_by_which_clock_it_is(measure):
+    measured = measure(truth=False)
+    save_entries(measured.session.model, ENTRIES)
+    page = page_of(measured)
+    for name in ("time of the fit (s, by the clock)", "time of a million pairs (s, one core)"):
+        assert f">{name}</text>" in page
+    words = " ".join(page.split())
+    assert "Of a fit, the time is that of the clock on the wall, on all cores" in words
+    assert "Of a million pairs, it is the processor&#39;s, on one core." in words
+
+
+class Sleeper(Recorder):
+    """Fits while a clock on the wall goes on and another moves only in evaluation."""
+
+    def __init__(self, clock):
+        super().__init__(lambda light, view: np.ones(light.shape))
+        self.clock = clock
+
+    def fit(self, samples, progress=None):
+        self.clock["wall"] += 5.0
+        return super().fit(samples, progress)
+
+
+def test_a_fit_is_timed_by_the_clock_on_the_wall(measure, monkeypatch):
+    clock = {"wall": 100.0}
+    monkeypatch.setattr("nnbrdf.compare.perf_counter", lambda: clock["wall"])
+    entry = Trial.of(measure().samples, None).enter("sleeper", Sleeper(clock))
+    assert entry.fit_seconds == 5.0
+
+
 def test_the_page_says_what_leaving_out_saved(measure):
     measured = measure(truth=False)
     pair = [

@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -63,6 +64,27 @@ def test_twenty_names_cover_neither_each_other_nor_a_point():
         assert not [name for name, box in boxes.items() if box.contains(x, y)]
     for box in boxes.values():
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1
+
+
+NOTHING = {
+    "one of two has no error": [(1.0, 0.0), (2.0, 3.0)],
+    "none has": [(1.0, 0.0), (2.0, 0.0)],
+    "next to none": [(1.0, 1e-300), (2.0, 3.0)],
+    "no time": [(0.0, 1.0), (0.0, 2.0)],
+}
+
+
+@pytest.mark.parametrize("pairs", NOTHING.values(), ids=NOTHING)
+def test_what_is_nothing_is_a_point_all_the_same(pairs):
+    points = [Point(str(index), *pair) for index, pair in enumerate(pairs)]
+    with page_style():
+        axes = draw_pareto(points, "error", "time (s)").axes[0]
+    drawn = np.array([text.xy for text in axes.texts])
+    assert len(drawn) == len(points)
+    for values, (low, high) in zip(drawn.T, (axes.get_xlim(), axes.get_ylim()), strict=True):
+        assert ((0 < low < values) & (values < high)).all()
+        # the others can be told apart still
+        assert high / low < 1e6
 
 
 def test_one_point_is_a_picture():

@@ -164,3 +164,27 @@ def test_a_file_of_something_else_is_not_to_be_loaded_unsafely(tmp_path):
         MaterialPrior.load(tmp_path / "junk.npz")
     assert "no npz of arrays" in str(refused.value)
     assert "pickle" not in str(refused.value)
+
+
+def test_what_is_expected_is_what_the_examples_are_like():
+    light, view = directions(5, 40), directions(6, 40)
+    mean, deviation = PRIOR.expected(light, view)
+    drawn = []
+    for family in PRIOR.families:
+        values = family.examples.evaluate(Pairs.of(light, view))
+        drawn.append(np.log(values + 0.01 * family.white))
+    # four fifths are isotropic
+    assert mean == pytest.approx(0.8 * drawn[0].mean(1) + 0.2 * drawn[1].mean(1), abs=1e-9)
+    both = np.concatenate([*[drawn[0]] * 4, drawn[1]], axis=1)
+    # scales count as independent of shapes, which is less sure in highlights
+    assert np.median(deviation / both.std(1)) == pytest.approx(1.0, abs=0.1)
+    assert (deviation > 0.9 * both.std(1)).all()
+
+
+def test_the_interval_of_what_is_expected_holds_materials_of_another_draw():
+    light, view = directions(7, 60), directions(8, 60)
+    mean, deviation = PRIOR.expected(light, view)
+    other = GeneratedMaterials.draw(300, 99, isotropic=True)
+    log = np.log(other.evaluate(Pairs.of(light, view)).clip(1e-9))
+    within = np.abs(log - mean[:, None]) < 1.645 * deviation[:, None]
+    assert 0.85 < within.mean() < 0.98

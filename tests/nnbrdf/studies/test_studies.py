@@ -1,6 +1,9 @@
 """Jobs, their store and their tables; what a training is, test_training says."""
 
+import errno
 import json
+import os
+import resource
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -338,6 +341,32 @@ def test_a_perfect_picture_is_the_best_and_has_not_diverged():
     assert table.rows[0].percent_from_best is None
 
 
+MIDDLES = {
+    "diverged and perfect": ([None, np.inf], None),
+    "diverged and one more": ([None, 20.0], None),
+    "perfect and one more": ([np.inf, 20.0], 20.0),
+    "perfect in most": ([np.inf, np.inf, np.inf, 20.0], np.inf),
+    "both finite": ([None, 10.0, 20.0, np.inf], 15.0),
+    "all perfect but half diverged": ([None, None, np.inf, np.inf], None),
+    "most diverged": ([None, None, None, 20.0], None),
+}
+
+
+@pytest.mark.parametrize(("decibels", "cell"), MIDDLES.values(), ids=MIDDLES)
+def test_of_two_in_the_middle_that_have_no_mean_the_worse_counts(decibels, cell):
+    outcomes = [
+        replace(
+            an_outcome(None if value is None else 1.0, seed, diverged=value is None),
+            sphere_psnr_db=value if value and np.isfinite(value) else None,
+        )
+        for seed, value in enumerate(decibels)
+    ]
+    (table,) = tabulate(outcomes, "sphere_psnr_db", lambda job: job.activation)
+    assert table.rows[0].cells == (cell,)
+    (table,) = tabulate(outcomes, "eps8", lambda job: job.activation)
+    assert table.rows[0].cells == (None if cell is None else 1.0,)
+
+
 def test_kendall_tau():
     assert kendall_tau([1, 2, 3], [1, 2, 3]) == 1
     assert kendall_tau([1, 2, 3], [3, 2, 1]) == -1
@@ -380,6 +409,41 @@ def test_what_is_refused_elsewhere_is_not_laid_to_the_results(tmp_path):
     with pytest.raises(OSError, match="another file") as refused, appending(tmp_path):
         raise OSError("another file")
     assert not isinstance(refused.value, StorageError)
+
+
+def test_a_folder_that_cannot_be_locked_is_no_other_study(tmp_path, monkeypatch):
+    def refuse(file, how):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("nnbrdf.studies.store.fcntl.flock", refuse)
+    with (
+        pytest.raises(
+            StorageError, match=r"results\.jsonl: cannot be written \(No locks available"
+        ),
+        appending(tmp_path),
+    ):
+        pass
+
+
+def append_all(folder, outcomes):
+    with appending(folder) as append:
+        for outcome in outcomes:
+            append(outcome)
+
+
+def test_what_a_full_disk_cut_is_trained_again(tmp_path):
+    outcomes = [an_outcome(1.0, seed) for seed in range(20)]
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
+    try:
+        with pytest.raises(StorageError, match=r"results\.jsonl: cannot be written \(File too"):
+            append_all(tmp_path, outcomes)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    kept = read_results(tmp_path)
+    assert 0 < len(kept) < len(outcomes)
+    append_all(tmp_path, outcomes[-1:])
+    assert read_results(tmp_path).keys() == {*kept, outcomes[-1].job.key}
 
 
 def test_two_studies_do_not_write_into_one_file(tmp_path):

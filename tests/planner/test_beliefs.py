@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 
 from gonio.errors import BadInputError
 from gonio.protocols import PriorKind
+from planner.beliefs import IsotropicOnly, RememberedPrior
 from planner.candidates import Candidates
 from planner.field import Field
 from planner.information import NOISE
-from planner.scene.beliefs import IsotropicOnly, Remembered
 from planner.scene.expected import expected_error
 from planner.scene.use import NOT_ASKED, SAME_AZIMUTH, Use
 
@@ -62,13 +62,16 @@ def test_where_all_is_asked_for_there_is_no_outside():
 
 def test_a_prior_is_made_when_asked_and_asked_once():
     prior, light, view = Told(KINDS), np.eye(3), np.eye(3)[::-1].copy()
-    remembered = Remembered(lambda: prior)
+    remembered = RememberedPrior(lambda: prior)
     assert prior.asked == 0
     for _ in range(2):
-        assert remembered.kinds(light, view, 9) is KINDS
+        told = remembered.kinds(light, view, 9)
+        assert all((a.factor == b.factor).all() for a, b in zip(told, KINDS, strict=True))
     assert prior.asked == 1
     remembered.kinds(view, light, 9)
     remembered.kinds(light, view, 8)
+    assert prior.asked == 2
+    remembered.kinds(light, view, 10)
     assert prior.asked == 3
 
 
