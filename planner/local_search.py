@@ -62,6 +62,7 @@ def improve(
         With the shots at their new places, and the new route; never longer than before.
     """
     found, route = (_compiled if is_available() else _in_numpy)(metric, arms, order, work, seed)
+    route = min(route, route[::-1], key=found.total)
     # whole nanoseconds may call shorter what is longer by round-off
     return (found, route) if found.total(route) < metric.total(order) else (metric, order)
 
@@ -85,8 +86,7 @@ def _compiled(
 def _in_numpy(
     metric: TimeMetric, _arms: tuple[Places, Places], order: Indices, _work: int, _seed: int
 ) -> tuple[TimeMetric, Indices]:
-    route = two_opt(metric.either_way, order)
-    return metric, min(route, route[::-1], key=metric.total)
+    return metric, two_opt(metric.either_way, order)
 
 
 def tree_bound_s(metric: TimeMetric, order: Indices) -> float:

@@ -64,7 +64,7 @@ void Search::settle() {
 }
 
 void Search::kick(std::int64_t work) {
-    if (tour_.size() < 5) return;
+    if (tour_.size() < 4) return;
     Time all = 0;
     for (int i = 0; i < tour_.size(); ++i) all += time(tour_.at(i), tour_.after(tour_.at(i)));
     const double heat = kHeat * double(all) / tour_.size();
