@@ -71,7 +71,8 @@ class Selection(Document):
     """How the shots were chosen.
 
     `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
-    and `variance_bound` what any choice of as many pairs leaves at least.
+    and `variance_bound` what any choice of as many pairs leaves at least; `prior_sha256` is of that
+    prior, None where none was asked.
     """
 
     criterion: str
@@ -82,6 +83,7 @@ class Selection(Document):
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
     variance_bound: float | None = Field(default=None, ge=0)
+    prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
 
 
