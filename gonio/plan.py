@@ -87,9 +87,10 @@ class Selection(Document):
     """How the shots were chosen.
 
     `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
-    and `variance_bound` what any choice of as many pairs leaves at least. Of a plan that goes on
-    from samples, `deviation_before` and `deviation_after` are the mean posterior standard deviation
-    of ln(f + 0.01 white) over the 81 x 81 pairs, as it was and as it is expected to become.
+    and `variance_bound` what any choice of as many pairs leaves at least; `prior_sha256` is of that
+    prior, None where none was asked. Of a plan that goes on from samples, `deviation_before` and
+    `deviation_after` are the mean posterior standard deviation of ln(f + 0.01 white) over the
+    81 x 81 pairs, as it was and as it is expected to become.
     """
 
     criterion: str
@@ -102,6 +103,7 @@ class Selection(Document):
     variance_bound: float | None = Field(default=None, ge=0)
     deviation_before: float | None = Field(default=None, ge=0)
     deviation_after: float | None = Field(default=None, ge=0)
+    prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
 
 

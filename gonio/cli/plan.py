@@ -194,7 +194,7 @@ def command(
 
     from gonio.cli._continue import go_on, refuse_others, tell
     from gonio.cli._pareto import write_pareto
-    from gonio.cli._prior import material_prior
+    from gonio.cli._prior import material_prior, with_prior
     from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
     from gonio.rig import default_rig, load_rig
@@ -283,6 +283,10 @@ def command(
     else:
         plan = make(shots=shots, prior=believed)
     plan = use.finish(plan)
+    if believed.cache_info().currsize:
+        plan = with_prior(plan, believed())
+    elif prior:
+        click.echo("note: all pairs are measured, so the prior had no say")
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")

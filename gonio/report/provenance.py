@@ -53,6 +53,13 @@ def _of_samples(samples: Samples) -> Iterator[tuple[str, str]]:
 
 
 def _of_model(model: Path) -> Iterator[tuple[str, str]]:
+    from nnbrdf.card import read_json
+    from nnbrdf.prior.used import PriorUsed
+
+    card = read_json(model)
+    if isinstance(card, dict) and card.get("prior"):
+        used = PriorUsed.model_validate(card["prior"])
+        yield f"prior ({used})", used.sha256
     for name in _MODEL_FILES:
         if (model / name).is_file():
             yield name, sha256_file(model / name)

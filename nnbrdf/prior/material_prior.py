@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from itertools import count
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
@@ -12,18 +12,25 @@ import numpy as np
 from gonio.errors import BadFileError
 from gonio.files import write_with
 from gonio.protocols import PriorKind
-from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
-from nnbrdf.network import Networks
 from nnbrdf.prior.family import Family, Settings, Traits, pivots_and_factor
 from nnbrdf.prior.generated import GeneratedMaterials
 from nnbrdf.prior.geometry import Pairs
-from nnbrdf.prior.learned import LearnedMaterial
+from nnbrdf.prior.stored import (
+    digest_of,
+    examples_arrays,
+    families_from,
+    learned_arrays,
+    learned_from,
+)
+from nnbrdf.prior.used import PriorUsed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+    from nnbrdf.prior.learned import LearnedMaterial
 
     Array = NDArray[np.float64]
 
@@ -93,20 +100,30 @@ class MaterialPrior:
             )
         )
 
+    @property
+    def learned(self) -> tuple[LearnedMaterial, ...]:
+        """The materials that were measured."""
+        # the second family has them all
+        return self.families[1].learned
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the examples' parameters and weights, however they are kept in a file."""
+        return digest_of(self._arrays)
+
+    @property
+    def used(self) -> PriorUsed:
+        """What the card of a model records of the prior."""
+        generated = sum(len(family.examples) for family in self.families)
+        return PriorUsed(sha256=self.sha256, generated=generated, measured=len(self.learned))
+
     def save(self, path: Path) -> None:
         """Write the examples' parameters and weights as npz, without pickles."""
-        arrays = {
-            f"{family.name}.{field.name}": getattr(family.examples, field.name)
-            for family in self.families
-            for field in fields(GeneratedMaterials)
-        }
-        # the second family has them all
-        for index, each in enumerate(self.families[1].learned):
-            arrays |= _arrays_of(f"learned.{index}", each)
 
         def write(aside: Path) -> None:
             with aside.open("wb") as file:
-                np.savez_compressed(file, schema=np.array(SCHEMA), **arrays)
+                arrays: dict[str, Any] = {"schema": np.array(SCHEMA), **self._arrays}
+                np.savez_compressed(file, **arrays)
 
         write_with(path, write)
 
@@ -124,10 +141,7 @@ class MaterialPrior:
                 arrays = dict(file)
             if str(arrays["schema"]) != SCHEMA:
                 raise BadFileError(path, f"has schema {arrays['schema']}, not {SCHEMA}", _REMEDY)
-            isotropic, other = (
-                Family(name, _examples(arrays, name)) for name in ("isotropic", "anisotropic")
-            )
-            return cls((isotropic, other)).learn(_learned(arrays))
+            return cls(families_from(arrays)).learn(learned_from(arrays))
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
         except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile) as error:
@@ -135,47 +149,9 @@ class MaterialPrior:
             problem = "it is no npz of arrays" if "pickle" in str(error) else error
             raise BadFileError(path, f"is no prior ({problem})", _REMEDY) from None
 
-
-def _examples(arrays: dict[str, Array], name: str) -> GeneratedMaterials:
-    columns = [arrays[f"{name}.{field.name}"].astype(float) for field in fields(GeneratedMaterials)]
-    examples = GeneratedMaterials(*columns)
-    drawn = GeneratedMaterials.draw(1, 0, isotropic=True)
-    for field, column in zip(fields(GeneratedMaterials), columns, strict=True):
-        shape = (len(examples), *getattr(drawn, field.name).shape[1:])
-        if column.shape != shape or not len(examples) or not np.isfinite(column).all():
-            raise ValueError(f"{name}.{field.name} is not finite and of shape {shape}")
-    with np.errstate(all="ignore"):
-        white = Family(name, examples).white
-    if not (np.isfinite(white) & (white > 0)).all():
-        raise ValueError(f"{np.sum(~(white > 0))} {name} examples are no materials")
-    return examples
-
-
-def _arrays_of(prefix: str, material: LearnedMaterial) -> dict[str, Any]:
-    layers = {f"{prefix}.layer.{i}": layer for i, layer in enumerate(material.network.layers)}
-    return layers | {
-        f"{prefix}.encoding": np.array(material.encoding),
-        f"{prefix}.activation": np.array(material.network.activation),
-        f"{prefix}.tint": material.tint,
-    }
-
-
-def _learned(arrays: dict[str, Array]) -> list[LearnedMaterial]:
-    result: list[LearnedMaterial] = []
-    for index in count():
-        prefix = f"learned.{index}"
-        if f"{prefix}.encoding" not in arrays:
-            return result
-        depth = sum(name.startswith(f"{prefix}.layer.") for name in arrays)
-        layers = tuple(arrays[f"{prefix}.layer.{i}"] for i in range(depth))
-        encoding = str(arrays[f"{prefix}.encoding"])
-        if encoding not in HALFWAY or not all(np.isfinite(layer).all() for layer in layers):
-            raise ValueError(f"learned material {index} cannot be evaluated")
-        network = Networks(layers, str(arrays[f"{prefix}.activation"]))
-        if network.sizes[0] != HALFWAY_INPUTS[encoding]:
-            raise ValueError(f"learned material {index} has other inputs")
-        result.append(LearnedMaterial(network, encoding, arrays[f"{prefix}.tint"]))
-    return result
+    @property
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return examples_arrays(self.families) | learned_arrays(self.learned)
 
 
 def _factor(

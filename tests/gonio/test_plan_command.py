@@ -9,6 +9,7 @@ from gonio.clearance import not_free
 from gonio.plan import Plan
 from gonio.rig import default_rig_text, load_rig
 from gonio.timemodel import pose_angles_deg
+from nnbrdf.prior import MaterialPrior
 
 SUBSETS = [
     # options, views, lights, shots
@@ -117,3 +118,16 @@ def test_planning_leaves_torch_alone(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "p.json")], check=False)
     assert done.returncode == 0
+
+
+def test_a_plan_names_the_prior_that_it_was_made_with(gonio, tmp_path):
+    prior = MaterialPrior.generate(examples=60, seed=3)
+    prior.save(tmp_path / "ours.npz")
+    rings = ("--candidates", "rings:0x1,30x4", "--no-page")
+    asked = gonio("plan", *rings, "--shots", "8", "--prior", "ours.npz")
+    assert asked.returncode == 0, asked.stderr
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 == prior.sha256
+    every = gonio("plan", *rings, "--density", "all", "--prior", "ours.npz")
+    assert "all pairs are measured, so the prior had no say" in every.stdout
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 is None
+    assert "prior_sha256" not in (tmp_path / "plan.json").read_text()
