@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
-KERNEL := setup.py $(wildcard nnbrdf/kernel/*)
+KERNEL := setup.py $(wildcard nnbrdf/kernel/* planner/kernel/*)
 
 .PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out expected scenes docs format clean
 
@@ -65,4 +65,4 @@ format: setup    ## write the format that test checks
 	$(BIN)/ruff format . && $(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info docs/_build demo nnbrdf/*.so
+	rm -rf $(VENV) build dist *.egg-info docs/_build demo nnbrdf/*.so planner/*.so

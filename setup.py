@@ -1,4 +1,4 @@
-"""Build of the compiled parts, trainer and evaluation, each once for every vector width."""
+"""Build of the compiled parts: trainer and evaluation, once for every vector width; the route."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from setuptools import setup
 from setuptools.command.build_ext import build_ext
 
 KERNEL = Path("nnbrdf/kernel")
+ROUTE_KERNEL = Path("planner/kernel")
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
 PASSES = {"nnbrdf._fused": "passes.cpp", "nnbrdf._evaluate": "evaluate.cpp"}
 COSTS = {
     "nnbrdf._fused": "torch trains, some 40 times slower",
     "nnbrdf._evaluate": "NumPy evaluates, some 20 times slower",
+    "planner._route": "routes are some per cent longer",
 }
 # square roots that would set errno are called one by one
 FLAGS = ["-std=c++17", "-O3", "-fvisibility=hidden", "-fno-math-errno"]
@@ -43,10 +45,12 @@ class BuildWidths(build_ext):
             )
 
     def build_extension(self, ext: Pybind11Extension) -> None:
-        """Compile, and go on without where that fails: torch then trains, NumPy evaluates."""
+        """Compile, and go on without where that fails: torch and NumPy then do what it does."""
         try:
-            source = PASSES[ext.name]
-            ext.extra_objects = [name for width in WIDTHS for name in self._passes(source, width)]
+            if source := PASSES.get(ext.name):
+                ext.extra_objects = [
+                    name for width in WIDTHS for name in self._passes(source, width)
+                ]
             super().build_extension(ext)
         except Exception as error:
             self.failed[ext.name] = " ".join(_reason(error).split())
@@ -70,13 +74,14 @@ def _reason(error: Exception) -> str:
     return str(error)
 
 
-def extension(name: str, module: str) -> Pybind11Extension:
+def extension(name: str, sources: list[Path]) -> Pybind11Extension:
     """Return one module; an installation goes on without those that do not compile."""
     return Pybind11Extension(
         name,
-        [str(KERNEL / module)],
-        depends=[str(path) for path in KERNEL.iterdir()],
+        [str(source) for source in sources],
+        depends=[str(path) for path in sources[0].parent.iterdir()],
         define_macros=[("GONIO_X86", "1")] if IS_X86 else [],
+        extra_compile_args=["-O3"],
         cxx_std=17,
         optional=True,
     )
@@ -84,8 +89,9 @@ def extension(name: str, module: str) -> Pybind11Extension:
 
 setup(
     ext_modules=[
-        extension("nnbrdf._fused", "module.cpp"),
-        extension("nnbrdf._evaluate", "evaluate_module.cpp"),
+        extension("nnbrdf._fused", [KERNEL / "module.cpp"]),
+        extension("nnbrdf._evaluate", [KERNEL / "evaluate_module.cpp"]),
+        extension("planner._route", sorted(ROUTE_KERNEL.glob("*.cpp"))),
     ],
     cmdclass={"build_ext": BuildWidths},
 )

@@ -17,6 +17,10 @@ _REMEDY = "make a new one with: gonio plan"
 Theta = Annotated[float, Field(ge=0)]
 Phi = Annotated[float, Field(ge=0, lt=360)]
 Exposure = Annotated[float, Field(ge=1e-6, le=300)]
+Side = Literal["view", "light"]
+
+# what came after the first plans is left out of the file, and so of its hash, where it says nothing
+Turns = Annotated[int, Field(ge=-10, le=10, exclude_if=lambda turns: turns == 0)]
 
 
 def _is_unknown(value: object) -> bool:
@@ -32,7 +36,11 @@ class LampSetting(Document):
 
 
 class Shot(Document):
-    """One pair of directions to measure, and how."""
+    """One pair of directions to measure, and how.
+
+    `view_turn` and `light_turn` are full turns that the phi axes stand at beyond phi: an axis that
+    travels more than a turn reaches some directions at two angles or more.
+    """
 
     index: int = Field(ge=0)
     light_theta_deg: Theta
@@ -41,6 +49,8 @@ class Shot(Document):
     view_phi_deg: Phi
     exposures_s: tuple[Exposure, ...] = Field(min_length=1)
     lamps: tuple[LampSetting, ...] = Field(min_length=1)
+    view_turn: Turns = 0
+    light_turn: Turns = 0
 
     @model_validator(mode="after")
     def _reflection_only(self) -> Shot:
@@ -64,14 +74,23 @@ class Shot(Document):
     def axis_deg(self, axis: str) -> float:
         """Return the angle of an axis, by its name in the rig file, in degrees."""
         angle: float = getattr(self, f"{axis}_deg")
-        return angle
+        side, _, name = axis.partition("_")
+        return angle + 360.0 * getattr(self, f"{side}_turn") if name == "phi" else angle
+
+    def direction_deg(self, side: Side) -> tuple[float, float]:
+        """Return theta and phi of the view or the light; at the pole, which has none, phi is 0."""
+        theta: float = getattr(self, f"{side}_theta_deg")
+        return theta, getattr(self, f"{side}_phi_deg") if theta else 0.0
 
 
 class Selection(Document):
     """How the shots were chosen.
 
     `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
-    and `variance_bound` what any choice of as many pairs leaves at least.
+    and `variance_bound` what any choice of as many pairs leaves at least; `prior_sha256` is of that
+    prior, None where none was asked. Of a plan that goes on from samples, `deviation_before` and
+    `deviation_after` are the mean posterior standard deviation of ln(f + 0.01 white) over the
+    81 x 81 pairs, as it was and as it is expected to become.
     """
 
     criterion: str
@@ -82,7 +101,22 @@ class Selection(Document):
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
     variance_bound: float | None = Field(default=None, ge=0)
+    deviation_before: float | None = Field(default=None, ge=0)
+    deviation_after: float | None = Field(default=None, ge=0)
+    prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
+
+
+class RouteTime(Document):
+    """What moving along the shots' order takes, and what no order of them can beat."""
+
+    moving_s: float = Field(ge=0)
+    bound_s: float = Field(ge=0)
+
+    @property
+    def gap(self) -> float:
+        """By how much the route is above the bound at most, as a share of the route."""
+        return 1.0 - self.bound_s / self.moving_s if self.moving_s else 0.0
 
 
 class LeftOut(Document):
@@ -149,6 +183,7 @@ class Plan(Document):
     selection: Selection
     left_out: tuple[LeftOut, ...] = ()
     estimates: Estimates
+    route: RouteTime | None = Field(default=None, exclude_if=lambda route: route is None)
     shots: tuple[Shot, ...] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -167,8 +202,8 @@ class Plan(Document):
         write_json(path, self._content() | {"sha256": self.sha256})
 
     @classmethod
-    def load(cls, path: Path | str) -> Plan:
-        """Read a plan and check every field and its hash.
+    def load(cls, path: Path | str, *, remedy: str = _REMEDY) -> Plan:
+        """Read a plan and check every field and its hash; `remedy` tells what else to do.
 
         Raises
         ------
@@ -176,17 +211,17 @@ class Plan(Document):
             When the file is missing, of another schema, malformed, or changed since it was made.
         """
         path = Path(path)
-        data = parse_json(read_text(path, _REMEDY), path, _REMEDY)
+        data = parse_json(read_text(path, remedy), path, remedy)
         if not isinstance(data, dict):
-            raise BadFileError(path, "is not a plan (no object at the top)", _REMEDY)
+            raise BadFileError(path, "is not a plan (no object at the top)", remedy)
         if data.get("schema") != SCHEMA:
-            raise BadFileError(path, f"has schema {data.get('schema')!r}, not {SCHEMA!r}", _REMEDY)
+            raise BadFileError(path, f"has schema {data.get('schema')!r}, not {SCHEMA!r}", remedy)
         stated = data.pop("sha256", None)
-        plan = check(cls, data, path, _REMEDY)
+        plan = check(cls, data, path, remedy)
         if stated is None:
-            raise BadFileError(path, "sha256: is missing", _REMEDY)
+            raise BadFileError(path, "sha256: is missing", remedy)
         if stated != plan.sha256:
-            raise BadFileError(path, "sha256: does not match the content", _REMEDY)
+            raise BadFileError(path, "sha256: does not match the content", remedy)
         return plan
 
     def _content(self) -> dict[str, Any]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, Plan, Selection, Shot
-from gonio.rig import AXES
+from gonio.plan import LampSetting, Plan, RouteTime, Selection, Shot
 from gonio.timemodel import estimate
 from gonio.timing import default_timing
 from planner.candidates import paper_candidates
@@ -19,6 +18,7 @@ from planner.exposures import with_predicted_exposures
 from planner.field import Field
 from planner.reach import reach_of
 from planner.route import plan_route
+from planner.ways import seconds_of_ways
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
+    from planner.route import Route
 
     Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
     Omission = Callable[[Field], NDArray[np.bool_]]
@@ -112,11 +113,12 @@ def make_plan(
             f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
             "that in the rig file, or take more directions"
         )
-    ordered, method = _in_order(field, measured, rig)
+    timing = timing or default_timing(rig)
+    ordered, route = _in_order(field, measured, rig, timing)
     if bracket == "predicted":
         if prior is None:
             raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
-        ordered = with_predicted_exposures(ordered, prior(), rig, timing or default_timing(rig))
+        ordered = with_predicted_exposures(ordered, prior(), rig, timing)
     selection = Selection(
         criterion=criterion,
         candidates=_set_names(light_set, view_set),
@@ -126,13 +128,14 @@ def make_plan(
         reciprocal_pairs=field.reciprocal(measured),
         variance_left=choice.variance_left,
         variance_bound=choice.variance_bound,
-        route=method,
+        route=route.method,
     )
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
         left_out=reach.left_out(choice.measured, omitted),
         estimates=estimate(ordered, rig, timing),
+        route=RouteTime(moving_s=route.moving_s, bound_s=route.bound_s),
         shots=ordered,
     )
 
@@ -183,22 +186,33 @@ def _checked_shots(shots: int, most: int) -> int:
     return shots
 
 
-def _in_order(field: Field, measured: NDArray[np.bool_], rig: Rig) -> tuple[tuple[Shot, ...], str]:
-    """Return the shots of `measured`, indexed [light, view], in route order, and its method."""
+def _in_order(
+    field: Field, measured: NDArray[np.bool_], rig: Rig, timing: Timing
+) -> tuple[tuple[Shot, ...], Route]:
+    """Return the shots of `measured`, indexed [light, view], in route order, and their route."""
     light, view = np.nonzero(measured)
     sides = (field.views, view), (field.lights, light)
     angles_deg = np.stack(
         [angle[rows] for each, rows in sides for angle in (each.theta_deg, each.phi_deg)], axis=1
     )
-    route = plan_route(angles_deg, rig)
+    route = plan_route(angles_deg, rig, timing, way_s=seconds_of_ways(rig, timing))
     lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)
+    columns = {
+        "view_theta_deg": angles_deg[route.order, 0],
+        "light_theta_deg": angles_deg[route.order, 2],
+        "view_phi_deg": route.phi_deg[:, 0],
+        "light_phi_deg": route.phi_deg[:, 1],
+        "view_turn": route.turns[:, 0],
+        "light_turn": route.turns[:, 1],
+    }
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     shots = (
         Shot(
             index=index,
             exposures_s=rig.camera.exposures_s,
             lamps=lamps,
-            **{f"{name}_deg": angle for name, angle in zip(AXES, angles, strict=True)},
+            **dict(zip(columns, row, strict=True)),
         )
-        for index, angles in enumerate(angles_deg[route.order].tolist())
+        for index, row in enumerate(rows)
     )
-    return tuple(shots), route.method
+    return tuple(shots), route

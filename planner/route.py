@@ -2,125 +2,181 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.errors import BadInputError
+from planner.construct import first_routes
+from planner.local_search import improve, is_available
 from planner.metric import TimeMetric
+from planner.places import Places
+from planner.route_bound import bound_s
+from planner.turns import with_best_places
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from gonio.rig import Rig
+    from gonio.timing import Timing
 
-_WORK = 100_000_000
-"""Evaluations of the metric that one local search may make; a count, so that it repeats."""
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+    Arms = tuple[Places, Places]
+    Ways = Callable[[Array, Array], Array]
 
-_GAIN_S = 1e-9
-"""What an exchange must save, so that round-off does not exchange for ever."""
+_WORK = 300_000
+_MOST_WORK = 200_000_000
+"""Looks at the metric for each shot, and for all: counts, so that a route repeats to the bit."""
+
+_ROUNDS = 20
+"""How often true times of moves are asked for, and the route searched again."""
+
+_SLOWER_S = 1e-6
+"""By how much a true time must exceed the axes' own to count as another."""
 
 
-class Route(NamedTuple):
-    """Shot numbers in the order to take them, shape (n,), and how that was found."""
+@dataclass(frozen=True)
+class Route:
+    """A route and what is known of it.
+
+    Attributes
+    ----------
+    order
+        Shot numbers in the order to take them, shape (n,).
+    phi_deg
+        Azimuths of view and light along the route, in [0, 360), shape (n, 2): those of the shots
+        but at the pole, where any will do.
+    turns
+        Full turns of the phi axes beyond these, shape (n, 2).
+    moving_s
+        Seconds of all moves, the true times of blocked ones included.
+    bound_s
+        Seconds that no route can beat.
+    method
+        How it was found.
+    """
 
     order: NDArray[np.int64]
+    phi_deg: Array
+    turns: NDArray[np.int64]
+    moving_s: float
+    bound_s: float
     method: str
 
 
-def plan_route(angles_deg: NDArray[np.float64], rig: Rig) -> Route:
+def plan_route(
+    angles_deg: Array,
+    rig: Rig,
+    timing: Timing | None = None,
+    way_s: Ways | None = None,
+    seed: int = 0,
+) -> Route:
     """Order shots for the least time of moving.
 
-    Three routes are built, each is improved by 2-opt exchanges, and the quickest is taken.
+    Three routes are built, each is improved by local search, and the quickest is searched on.
 
     Parameters
     ----------
     angles_deg
-        The axes' angles at each shot, shape (n, 4), in the order of `gonio.rig.AXES`.
+        Theta and phi of view and light of each shot, shape (n, 4), in the order of
+        `gonio.rig.AXES`; phi in [0, 360), to which the route may add turns of the axis.
     rig
-        Whose axes' speeds and accelerations count.
+        Whose axes' travel and run-ups count.
+    timing
+        How its axes act; without it, just as the rig file says.
+    way_s
+        Tells the true seconds of moves that something may block: of those from axis angles
+        (m, 4) to axis angles (m, 4), shape (m,). Asked only for the moves of good routes.
+    seed
+        Of the search.
+
+    Raises
+    ------
+    BadInputError
+        When no order was found in which there is a way from each shot to the next.
     """
-    metric = TimeMetric.of(angles_deg, rig)
-    starts = {
-        "nearest neighbour": nearest_neighbour(metric),
-        "snake of views": snake(metric.light, metric.light_s, metric.view, metric.view_s),
-        "snake of lights": snake(metric.view, metric.view_s, metric.light, metric.light_s),
-    }
-    routes = [Route(two_opt(metric, order), f"{name}, 2-opt") for name, order in starts.items()]
-    return min(routes, key=lambda route: metric.total(route.order))
+    view = Places.of(angles_deg[:, :2], rig.axis.view_phi)
+    light = Places.of(angles_deg[:, 2:], rig.axis.light_phi)
+    arms = (view, light)
+    metric = TimeMetric.between_places(view, light, rig, timing)
+    metric, order, method = _started(metric, arms)
+    metric, order = _searched(metric, order, arms, _work(order), seed)
+    if way_s is not None:
+        metric, order = _around(metric, order, arms, way_s, seed)
+    places = list(zip(arms, metric.poses[order].T, strict=True))
+    moving_s = metric.total(order)
+    if not np.isfinite(moving_s):
+        raise BadInputError(
+            f"no order of the {len(order)} shots was found in which the arms have a free way from "
+            "each to the next; leave out directions, or correct the rig file if it is wrong"
+        )
+    return Route(
+        order=order,
+        phi_deg=np.stack([arm.phi_deg[at] for arm, at in places], axis=1),
+        turns=np.stack([arm.turn[at] for arm, at in places], axis=1),
+        moving_s=moving_s,
+        # a bound that is met may be above by round-off
+        bound_s=min(moving_s, bound_s(metric.least(*arms), order)),
+        method=f"{method}, local search" if is_available() else f"{method}, 2-opt in NumPy",
+    )
 
 
-def nearest_neighbour(metric: TimeMetric) -> NDArray[np.int64]:
-    """Go from the first shot always to the nearest that is left; ties to the lowest number."""
-    order = np.zeros(len(metric), dtype=np.int64)
-    left = np.arange(1, len(metric))
-    for position in range(1, len(metric)):
-        nearest = int(np.argmin(metric.between(order[position - 1], left)))
-        order[position] = left[nearest]
-        left = np.delete(left, nearest)
-    return order
+def _started(metric: TimeMetric, arms: Arms) -> tuple[TimeMetric, Indices, str]:
+    """Return the quickest of some first routes, each improved, and its name."""
+    found = [
+        (*improve(metric, arms, order, work=0, seed=0), name)
+        for name, order in first_routes(metric).items()
+    ]
+    return min(found, key=lambda each: each[0].total(each[1]))
 
 
-def two_opt(metric: TimeMetric, order: NDArray[np.int64], work: int = _WORK) -> NDArray[np.int64]:
-    """Reverse parts of a route as long as that saves time (Croes 1958).
-
-    The route is closed through a shot that is nowhere, so its ends count as any other place.
-
-    Parameters
-    ----------
-    metric
-        Symmetric seconds between shots.
-    order
-        The route, shot numbers of shape (n,).
-    work
-        Bound on the evaluations of the metric.
-    """
-    nowhere = len(order)
-    metric, tour = metric.with_nowhere(), np.append(order, nowhere)
-    step_s = metric.between(tour, np.roll(tour, -1))
-    place = rested = 0
-    while rested < len(tour) and work > 0:
-        other, gain_s = _best_exchange(metric, tour, step_s, place)
-        work -= 2 * len(tour)
-        if gain_s > _GAIN_S:
-            low, high = sorted((place, other))
-            tour[low + 1 : high + 1] = tour[low + 1 : high + 1][::-1].copy()
-            step_s = metric.between(tour, np.roll(tour, -1))
-            rested = 0
-        else:
-            place, rested = (place + 1) % len(tour), rested + 1
-    start = int(np.argmax(tour == nowhere)) + 1
-    return np.roll(tour, -start)[:-1]
+def _searched(
+    metric: TimeMetric, order: Indices, arms: Arms, work: int, seed: int
+) -> tuple[TimeMetric, Indices]:
+    metric = with_best_places(metric, order, arms)
+    metric, order = improve(metric, arms, order, work, seed)
+    return with_best_places(metric, order, arms), order
 
 
-def _best_exchange(
-    metric: TimeMetric, tour: NDArray[np.int64], step_s: NDArray[np.float64], place: int
-) -> tuple[int, float]:
-    """Return the step to exchange with the one from `place`, and the seconds that this saves."""
-    after = np.roll(tour, -1)
-    exchanged = metric.between(tour[place], tour) + metric.between(after[place], after)
-    gain_s = step_s[place] + step_s - exchanged
-    gain_s[place] = 0.0
-    best = int(np.argmax(gain_s))
-    return best, float(gain_s[best])
+def _around(
+    metric: TimeMetric, order: Indices, arms: Arms, way_s: Ways, seed: int
+) -> tuple[TimeMetric, Indices]:
+    """Ask for the true times of a route's moves, and search again with what is slow, in turns."""
+    asked = np.empty(0, np.int64)
+    best, best_order = metric, order
+    for _ in range(_ROUNDS):
+        keys = metric.key(metric.poses[order[:-1]], metric.poses[order[1:]])
+        new = np.flatnonzero(~np.isin(keys, asked))
+        asked = np.append(asked, keys[new])
+        metric = _told(metric, order, new, arms, way_s)
+        best = replace(best, slow_keys=metric.slow_keys, slow_s=metric.slow_s)
+        if metric.total(order) < best.total(best_order):
+            best, best_order = metric, order
+        if not len(new):
+            break
+        metric, order = _searched(best, best_order, arms, _work(order) // _ROUNDS, seed)
+    return best, best_order
 
 
-def snake(
-    slow: NDArray[np.int64],
-    slow_s: NDArray[np.float64],
-    fast: NDArray[np.int64],
-    fast_s: NDArray[np.float64],
-) -> NDArray[np.int64]:
-    """Let one arm stand while the other goes through its directions, to and fro.
-
-    `slow` and `fast` are the direction that each shot has of either arm, shape (n,); `slow_s` and
-    `fast_s` the seconds between these directions.
-    """
-    slow_rank = _ranks(slow_s)[slow]
-    fast_rank = _ranks(fast_s)[fast]
-    return np.lexsort((np.where(slow_rank % 2, -fast_rank, fast_rank), slow_rank))
+def _work(order: Indices) -> int:
+    return min(_WORK * len(order), _MOST_WORK)
 
 
-def _ranks(times_s: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the place of each of an arm's directions on a short path through all of them."""
-    metric = TimeMetric.of_one_arm(times_s)
-    return np.argsort(two_opt(metric, nearest_neighbour(metric)))
+def _told(
+    metric: TimeMetric, order: Indices, steps: Indices, arms: Arms, way_s: Ways
+) -> TimeMetric:
+    """Return the metric with the true times of some steps of a route."""
+    if not len(steps):
+        return metric
+    starts, goals = metric.poses[order[steps]], metric.poses[order[steps + 1]]
+    angles = (
+        np.hstack([places.angles_deg[at] for places, at in zip(arms, ends.T, strict=True)])
+        for ends in (starts, goals)
+    )
+    true_s = np.asarray(way_s(*angles), np.float64)
+    slow = true_s > metric.times(starts, goals) + _SLOWER_S
+    return metric.with_slow(starts[slow], goals[slow], true_s[slow])

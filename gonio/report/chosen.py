@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.projections.polar import PolarAxes
     from numpy.typing import NDArray
 
-    from gonio.plan import Plan
+    from gonio.plan import Plan, Side
     from gonio.samples import Samples
 
 
@@ -29,13 +29,9 @@ def draw_chosen(chosen: NDArray[np.float64], candidates: NDArray[np.float64]) ->
     return figure
 
 
-def planned(chain: Sequence[Plan], side: str) -> NDArray[np.float64]:
+def planned(chain: Sequence[Plan], side: Side) -> NDArray[np.float64]:
     """Return the directions of one side ("view", "light") that plans hold, shape (n, 3)."""
-    angles = {
-        (shot.axis_deg(f"{side}_theta"), shot.axis_deg(f"{side}_phi"))
-        for plan in chain
-        for shot in plan.shots
-    }
+    angles = {shot.direction_deg(side) for plan in chain for shot in plan.shots}
     return from_degrees(*np.array(sorted(angles)).T)
 
 

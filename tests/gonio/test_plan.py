@@ -5,8 +5,8 @@ import pytest
 
 from gonio.errors import BadFileError
 from gonio.files import canonical_json, sha256_bytes
-from gonio.plan import LampSetting, Plan, Selection, Shot
-from gonio.rig import default_rig
+from gonio.plan import LampSetting, Plan, RouteTime, Selection, Shot
+from gonio.rig import AXES, default_rig
 from gonio.timemodel import estimate, move_time, pose_angles_deg, route_times
 
 RIG = default_rig()
@@ -60,6 +60,34 @@ def test_the_hash_is_of_the_canonical_rest(saved):
     assert stated == sha256_bytes(canonical_json(data)) == plan().sha256
 
 
+def test_a_plan_without_turns_and_route_is_written_as_the_first_ones_were(saved):
+    data = json.loads(saved.read_text())
+    assert not {"view_turn", "light_turn"} & set(data["shots"][0])
+    assert "route" not in data
+    assert Plan.load(saved).shots[0].view_turn == 0
+
+
+def test_turns_and_route_are_kept_and_hashed(tmp_path):
+    turned = shot(view=(45.0, 0.0)).model_copy(update={"view_turn": 1, "light_turn": -1})
+    made = plan(turned).model_copy(update={"route": RouteTime(moving_s=50.0, bound_s=40.0)})
+    made.save(tmp_path / "plan.json")
+    back = Plan.load(tmp_path / "plan.json")
+    assert back == made
+    assert back.route.gap == pytest.approx(0.2)
+    assert len({back.sha256, plan(turned).sha256, plan(shot(view=(45.0, 0.0))).sha256}) == 3
+    assert [back.shots[0].axis_deg(name) for name in AXES] == [45.0, 360.0, 0.0, -360.0]
+    assert back.shots[0].direction_deg("view") == (45.0, 0.0)
+
+
+def test_the_pole_is_one_direction_at_any_azimuth():
+    assert shot(light=(0.0, 77.0)).direction_deg("light") == (0.0, 0.0)
+    assert shot(light=(1.0, 77.0)).direction_deg("light") == (1.0, 77.0)
+
+
+def test_a_route_that_takes_no_time_has_no_gap():
+    assert RouteTime(moving_s=0.0, bound_s=0.0).gap == 0.0
+
+
 def test_a_parent_changes_the_hash():
     assert plan(parent=plan().sha256).sha256 != plan().sha256
 
@@ -103,6 +131,8 @@ EDITS = [
     ("lit from below", put("shots", 0, "light_theta_deg", 90.5), "light_theta_deg .*transmission"),
     ("below zero", put("shots", 0, "view_theta_deg", -1.0), "shots.0.view_theta_deg: "),
     ("a full turn", put("shots", 0, "view_phi_deg", 360.0), "shots.0.view_phi_deg: "),
+    ("eleven turns", put("shots", 0, "light_turn", 11), "shots.0.light_turn: "),
+    ("half a turn", put("shots", 0, "view_turn", 0.5), "shots.0.view_turn: "),
     ("twelve lamps", put("shots", 0, "lamps", 0, "n", 12), "shots.0.lamps.0.n: "),
     ("too bright", put("shots", 0, "lamps", 0, "mA", 701.0), "shots.0.lamps.0.mA: "),
     ("no exposure", put("shots", 0, "exposures_s", []), "shots.0.exposures_s: "),
@@ -178,8 +208,9 @@ def test_estimates_add_up():
     assert expected.frames == 2 * 2 + 8 * 2
     assert expected.exposing_s == pytest.approx((2 + 8) * 1.1)
     assert expected.storage_bytes >= expected.frames * 2 * RIG.camera.width * RIG.camera.height
-    parts = (expected.moving_s, expected.settling_s, expected.exposing_s, expected.overhead_s)
-    assert expected.total_s == sum(parts)
+    names = ("moving", "settling", "exposing", "overhead", "homing")
+    parts = [getattr(expected, f"{name}_s") for name in names]
+    assert expected.total_s == pytest.approx(sum(parts))
     assert expected.total_lo_s < expected.total_s < expected.total_hi_s
 
 

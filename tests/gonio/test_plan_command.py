@@ -9,6 +9,7 @@ from gonio.clearance import not_free
 from gonio.plan import Plan
 from gonio.rig import default_rig_text, load_rig
 from gonio.timemodel import pose_angles_deg
+from nnbrdf.prior import MaterialPrior
 
 SUBSETS = [
     # options, views, lights, shots
@@ -31,6 +32,9 @@ def test_the_file_and_the_table_agree(gonio, tmp_path, options, views, lights, s
     assert f"{shots}, {shots / 6561:.1%} of the full set" in result.stdout
     assert f"{plan.selection.reciprocal_pairs} pairs" in result.stdout
     assert plan.sha256 in result.stdout
+    moving_s, bound_s = plan.route.moving_s, plan.route.bound_s
+    assert f"{moving_s:.1f} s of moves; {bound_s:.1f} s at the least" in result.stdout
+    assert 0.95 * moving_s < bound_s <= moving_s
     for word in ("moving", "settling", "exposing", "overhead", "homing", "storage", "not chosen"):
         assert word in result.stdout
 
@@ -39,8 +43,8 @@ def test_the_plan_is_what_others_expect_to_read(gonio, tmp_path):
     assert gonio("plan", "--density", "2", "-o", "deep/p.json").returncode == 0
     plan = json.loads((tmp_path / "deep/p.json").read_text())
     assert plan["schema"] == "gonio.plan/1"
-    assert {"sha256", "shots", "selection", "left_out", "estimates"} <= set(plan)
-    assert set(plan["shots"][0]) == {
+    assert {"sha256", "shots", "selection", "left_out", "estimates", "route"} <= set(plan)
+    assert set(plan["shots"][0]) - {"view_turn", "light_turn"} == {
         "index", "light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg",
         "exposures_s", "lamps",
     }  # fmt: skip
@@ -114,3 +118,16 @@ def test_planning_leaves_torch_alone(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "p.json")], check=False)
     assert done.returncode == 0
+
+
+def test_a_plan_names_the_prior_that_it_was_made_with(gonio, tmp_path):
+    prior = MaterialPrior.generate(examples=60, seed=3)
+    prior.save(tmp_path / "ours.npz")
+    rings = ("--candidates", "rings:0x1,30x4", "--no-page")
+    asked = gonio("plan", *rings, "--shots", "8", "--prior", "ours.npz")
+    assert asked.returncode == 0, asked.stderr
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 == prior.sha256
+    every = gonio("plan", *rings, "--density", "all", "--prior", "ours.npz")
+    assert "all pairs are measured, so the prior had no say" in every.stdout
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 is None
+    assert "prior_sha256" not in (tmp_path / "plan.json").read_text()

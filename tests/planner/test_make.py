@@ -3,7 +3,7 @@ import pytest
 
 from gonio.directions import from_degrees, paper_directions
 from gonio.errors import BadInputError
-from gonio.rig import AXES, Rig, default_rig
+from gonio.rig import Rig, default_rig
 from gonio.timemodel import pose_angles_deg, route_times
 from planner.candidates import paper_candidates
 from planner.density import PAPER_SUBSETS, split_density
@@ -27,7 +27,7 @@ def rig_with(**changes) -> Rig:
 
 
 def pairs(plan):
-    return {tuple(shot.axis_deg(axis) for axis in AXES) for shot in plan.shots}
+    return {(*shot.direction_deg("view"), *shot.direction_deg("light")) for shot in plan.shots}
 
 
 DENSITIES = [
