@@ -250,12 +250,10 @@ def test_the_other_way_round_where_the_travel_allows():
 
 
 def test_a_way_of_many_legs():
-    """Between two walls, with arms that have to keep far apart, places are changed in many steps."""
-    walls = [
-        {"min_mm": (x, -900, 100), "max_mm": (x + 100, 900, 1200)} for x in (-400, 300)
-    ]  # fmt: skip
+    """Between two walls, arms that have to keep far apart take many steps to change places."""
+    walls = [{"min_mm": (x, -900, 100), "max_mm": (x + 100, 900, 1200)} for x in (-400, 300)]
     rig = rig_with(keep_out=walls, min_separation_deg=40.0)
-    start, goal = np.array([85.0, 90, 85, 270]), np.array([85.0, 270, 85, 90])
+    start, goal = np.array([60.0, 270, 15, 240]), np.array([15.0, 300, 75, 255])
     passed = np.array([start, *free_way(start, goal, rig).poses_deg])
     assert len(passed) > 4
     assert not leg_blocked(passed[:-1], passed[1:], rig).any()
