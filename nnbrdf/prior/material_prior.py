@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "gonio.prior/1"
 EXAMPLES = 2000
-ISOTROPIC_SHARE = 0.8
+KIND_SHARES = {"isotropic": 0.8, "anisotropic": 0.2}
 EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
 SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
 """Generated examples that choose pairs: 2000 would leave one per cent less, in thrice the time."""
@@ -71,16 +71,15 @@ class MaterialPrior:
     def kinds(self, light: Array, view: Array, rank: int) -> list[PriorKind]:
         """Return the covariance of each kind at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
-        shares = (ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE)
         return [
-            PriorKind(family.name, share, *_factor(family, pairs, rank))
-            for family, share in zip(self.families, shares, strict=True)
+            PriorKind(family.name, KIND_SHARES[family.name], *_factor(family, pairs, rank))
+            for family in self.families
         ]
 
     def expected(self, light: Array, view: Array) -> tuple[Array, Array]:
         """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
-        shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
+        shares = np.array([KIND_SHARES[family.name] for family in self.families])
         told = [family.expected(pairs, EXPECTED) for family in self.families]
         mean, variance = (np.array(each) for each in zip(*told, strict=True))
         middle = shares @ mean
