@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadInputError, StorageError
 from gonio.files import sync_file, write_bytes
+from gonio.planchain import FIRST_NAME
 from gonio.reference import keep_reference
 from gonio.session import Session
 
@@ -67,7 +68,7 @@ def _fill(session: Session, plan: Plan, rig_text: str, notes: Notes) -> None:
     write_bytes(session.rig_path, rig_text.encode())
     keep_reference(session)
     notes.save(session.notes_path)
-    plan.save(session.plans / "000.json")
+    plan.save(session.plans / FIRST_NAME)
 
 
 def _move(aside: Path, root: Path) -> None:

@@ -37,6 +37,16 @@ class BadFileError(BadInputError):
         self.path = path
 
 
+class NothingLeftError(BadInputError):
+    """Every pair that the rig can take has been measured."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "every pair that the rig can take has been measured; choose among other directions "
+            "with --candidates"
+        )
+
+
 class MissingExtraError(GonioError):
     """A command needs a package of an extra that is not installed."""
 

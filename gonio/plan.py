@@ -87,7 +87,10 @@ class Selection(Document):
     """How the shots were chosen.
 
     `variance_left` is the share of a prior's variance that they leave unknown, where it was asked,
-    and `variance_bound` what any choice of as many pairs leaves at least.
+    and `variance_bound` what any choice of as many pairs leaves at least; `prior_sha256` is of that
+    prior, None where none was asked. Of a plan that goes on from samples, `deviation_before` and
+    `deviation_after` are the mean posterior standard deviation of ln(f + 0.01 white) over the
+    81 x 81 pairs, as it was and as it is expected to become.
     """
 
     criterion: str
@@ -98,6 +101,9 @@ class Selection(Document):
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
     variance_bound: float | None = Field(default=None, ge=0)
+    deviation_before: float | None = Field(default=None, ge=0)
+    deviation_after: float | None = Field(default=None, ge=0)
+    prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
 
 
@@ -196,8 +202,8 @@ class Plan(Document):
         write_json(path, self._content() | {"sha256": self.sha256})
 
     @classmethod
-    def load(cls, path: Path | str) -> Plan:
-        """Read a plan and check every field and its hash.
+    def load(cls, path: Path | str, *, remedy: str = _REMEDY) -> Plan:
+        """Read a plan and check every field and its hash; `remedy` tells what else to do.
 
         Raises
         ------
@@ -205,17 +211,17 @@ class Plan(Document):
             When the file is missing, of another schema, malformed, or changed since it was made.
         """
         path = Path(path)
-        data = parse_json(read_text(path, _REMEDY), path, _REMEDY)
+        data = parse_json(read_text(path, remedy), path, remedy)
         if not isinstance(data, dict):
-            raise BadFileError(path, "is not a plan (no object at the top)", _REMEDY)
+            raise BadFileError(path, "is not a plan (no object at the top)", remedy)
         if data.get("schema") != SCHEMA:
-            raise BadFileError(path, f"has schema {data.get('schema')!r}, not {SCHEMA!r}", _REMEDY)
+            raise BadFileError(path, f"has schema {data.get('schema')!r}, not {SCHEMA!r}", remedy)
         stated = data.pop("sha256", None)
-        plan = check(cls, data, path, _REMEDY)
+        plan = check(cls, data, path, remedy)
         if stated is None:
-            raise BadFileError(path, "sha256: is missing", _REMEDY)
+            raise BadFileError(path, "sha256: is missing", remedy)
         if stated != plan.sha256:
-            raise BadFileError(path, "sha256: does not match the content", _REMEDY)
+            raise BadFileError(path, "sha256: does not match the content", remedy)
         return plan
 
     def _content(self) -> dict[str, Any]:

@@ -81,12 +81,16 @@ class PriorKind(NamedTuple):
         shape (distinct, rank).
     which
         Which of these each pair is, shape (n,): pairs that symmetry makes equal are one.
+    rest
+        Variance that the factor leaves out, shape (distinct,), of which a measurement tells at its
+        own pair alone. None: there is none.
     """
 
     name: str
     share: float
     factor: NDArray[np.float64]
     which: NDArray[np.int64]
+    rest: NDArray[np.float64] | None = None
 
 
 class Prior(Protocol):

@@ -76,7 +76,7 @@ def score_of(session: Session) -> Score | None:
         return None
     with session.journal() as journal:
         first = _first_run(journal.events())
-    plan = session.chain()[0]
+    plan = session.chain().plans[0]
     begun, homed, finished = (first.get(kind) for kind in ("begun", "homed", "finished"))
     if not (begun and homed and finished) or begun.data.get("plan") != plan.sha256:
         return None

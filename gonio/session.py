@@ -14,13 +14,15 @@ from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, Storag
 from gonio.files import write_json
 from gonio.journal import Journal
 from gonio.notes import Notes
-from gonio.plan import Plan
+from gonio.planchain import FIRST_NAME, load_chain
 from gonio.rig import load_rig
 from gonio.validation import parse_json, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from gonio.plan import Plan
+    from gonio.planchain import PlanChain
     from gonio.rig import Rig
 
 DEFAULT_ROOT: Final = Path("session")
@@ -53,7 +55,7 @@ class Session:
         session = cls(root)
         if not root.is_dir():
             raise BadFileError(root, "no such folder", _REMEDY)
-        if not (session.plans / "000.json").is_file():
+        if not (session.plans / FIRST_NAME).is_file():
             raise BadFileError(root, "is not a session (it has no plans/000.json)", _REMEDY)
         session.notes()  # a damaged folder is told now, not after a night
         return session
@@ -138,40 +140,37 @@ class Session:
         """Return what is noted of the sample."""
         return Notes.load(self.notes_path)
 
-    def plan(self) -> Plan:
-        """Return the session's plan.
+    def chain(self) -> PlanChain:
+        """Return the plans, oldest first (errors as `gonio.planchain.load_chain`)."""
+        return load_chain(self.plans, self.rig().sha256)
+
+    def add_plan(self, plan: Plan, source: Path | None = None) -> Path:
+        """Add a plan to the chain, whole or not at all; the session is locked by the caller.
+
+        Parameters
+        ----------
+        plan
+            It names the last one as its parent.
+        source
+            The file that it came from, where it did.
+
+        Returns
+        -------
+        Path
+            The new file.
 
         Raises
         ------
-        gonio.errors.BadInputError
-            When there are several: frames do not yet say which of them they belong to.
+        gonio.errors.ResumeRefusedError
+            When the plan does not go on from the last one, or is for another rig.
+        gonio.errors.StorageError
+            When it cannot be written; the chain is then as it was.
         """
-        first, *others = self.chain()
-        if others:
-            raise BadInputError(
-                f"{self.plans}: holds {1 + len(others)} plans, and this version measures one; "
-                "start a new session with the other"
-            )
-        return first
-
-    def chain(self) -> list[Plan]:
-        """Return the plans, oldest first.
-
-        Raises
-        ------
-        gonio.errors.BadFileError
-            When a plan is damaged or does not name the one before it.
-        """
-        plans: list[Plan] = []
-        for path in sorted(self.plans.glob("[0-9][0-9][0-9].json")):
-            plan = Plan.load(path)
-            parent = plans[-1].sha256 if plans else None
-            if plan.parent != parent:
-                raise BadFileError(
-                    path, f"parent is {plan.parent}, not the plan before it ({parent})", _REMEDY
-                )
-            plans.append(plan)
-        return plans
+        chain = self.chain()
+        path = self.plans / chain.next_name
+        chain.check_next(plan, source or path)
+        plan.save(path)
+        return path
 
     def check_same(self, plan: Plan | None, rig: Rig | None) -> None:
         """Refuse to go on with another plan or rig than the session was begun with.
@@ -181,7 +180,7 @@ class Session:
         gonio.errors.ResumeRefusedError
             Saying what differs.
         """
-        last = self.chain()[-1]
+        last = self.chain().last
         if plan is not None and plan.sha256 != last.sha256:
             raise ResumeRefusedError(
                 f"{self.root}: was begun with plan {last.sha256[:12]}, not {plan.sha256[:12]}; "

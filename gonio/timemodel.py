@@ -16,7 +16,7 @@ from gonio.rig import AXES, Axis
 from gonio.timing import AxisTiming, default_timing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -135,7 +135,10 @@ def _together(one: Array, other: Array, ring_down_s: float) -> Array:
 
 
 def estimate(
-    shots: Sequence[Shot], rig: Rig, timing: Timing | None = None, detours_s: float = 0.0
+    shots: Sequence[Shot],
+    rig: Rig,
+    timing: Timing | None = None,
+    calibrated_s: Collection[float] = (),
 ) -> Estimates:
     """Estimate the time and storage of a whole capture.
 
@@ -151,22 +154,27 @@ def estimate(
         The rig.
     timing
         How it acts; without it, as `gonio.timing.default_timing` expects.
-    detours_s
-        What moves between shots that go round about take beyond straight ones.
     """
+    from gonio.legs import legs_of  # ways round are judged by the times of this module
+
     timing = timing or default_timing(rig)
+    calibration = [e for e in calibration_exposures_s(shots) if e not in calibrated_s]
     home = [rig.axis[name].to_degrees(0) for name in AXES]
-    white = [WHITE_POSE_DEG[name] for name in AXES]
-    angles_deg = np.vstack([home, white, pose_angles_deg(shots)])
-    moving, still = route_times(angles_deg, rig, timing), still_times(angles_deg, rig, timing)
-    calibration = calibration_exposures_s(shots)
+    white = [[WHITE_POSE_DEG[name] for name in AXES]][: len(calibration)]
+    angles_deg, begins = legs_of(np.vstack([home, *white, pose_angles_deg(shots)]), rig)
+    legs = route_times(angles_deg, rig, timing)
+    moving, ends = np.add.reduceat(legs, begins), np.append(begins[1:], len(legs)) - 1
+    # nobody waits until the arms are still on the way
+    settling = (still_times(angles_deg, rig, timing) - legs)[ends]
+    still = moving + settling
+    to_shots = still[len(white) :]
     frames = sum(len(shot.exposures_s) for shot in shots) + len(calibration)
     exposing = math.fsum(math.fsum(shot.exposures_s) for shot in shots) + math.fsum(calibration)
     budget = Budget()
-    budget.add_seconds(exposing + detours_s)
-    _add_moves(budget, _settled(angles_deg, rig, timing), moving, still, timing)
+    budget.add_seconds(exposing)
+    _add_moves(budget, _settled(angles_deg, rig, timing)[:, ends], moving, still, timing)
     # the way to the first shot begins when all white frames are in
-    overlapped = np.minimum(still[2:] + timing.lamps.mean_s, timing.read_out.mean_s)
+    overlapped = np.minimum(to_shots[1:] + timing.lamps.mean_s, timing.read_out.mean_s)
     homing = budget.add(homing_time(rig, timing))
     overhead = (
         budget.add(timing.startup)
@@ -174,12 +182,12 @@ def estimate(
         + budget.add(timing.hold, frames)
         + budget.add(timing.read_out, frames)
         + budget.add_seconds(-math.fsum(overlapped))
-        + budget.add_seconds(_waiting_for_lamps(shots, still[1:], rig, timing))
+        + budget.add_seconds(_waiting_for_lamps(shots, to_shots, rig, timing))
     )
     low_s, high_s = budget.interval_s
     return Estimates(
-        moving_s=float(moving.sum()) + detours_s,
-        settling_s=float((still - moving).sum()),
+        moving_s=float(moving.sum()),
+        settling_s=float(settling.sum()),
         exposing_s=exposing,
         overhead_s=overhead,
         homing_s=homing,

@@ -18,3 +18,8 @@ def size(count: float) -> str:
             return f"{count:.3g} {unit}"
         count /= 1000
     return f"{count:.3g} TB"
+
+
+def several(count: int, noun: str) -> str:
+    """Say how many there are of something: 1 light, 14 lights."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from gonio.errors import BadFileError
 from gonio.files import write_json
 from gonio.validation import Document
-from nnbrdf.card import CARD_NAME, read_document
+from nnbrdf.card import CARD_NAME, REMEDY, read_document
 from nnbrdf.ensemble import GRID_CHANNELS, grid_pairs
 from nnbrdf.findings import Findings, findings_of
 from nnbrdf.folder import PRIOR_NAME, save_model, write_grid
@@ -20,6 +21,7 @@ from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.infer import Inference, infer
 from nnbrdf.prior.material_prior import MaterialPrior
 from nnbrdf.prior.posterior import Odds, Posterior, Sites
+from nnbrdf.prior.used import PriorUsed
 from nnbrdf.usable import check_samples
 from nnbrdf.weights import read_tensors, write_tensors
 
@@ -63,6 +65,8 @@ class PosteriorCard(Document):
         How many numbers a value is made of: one a sample and channel.
     samples
         How many there were.
+    prior
+        Under which prior; None in models that were made before it was recorded.
     findings
         What the samples told.
     provenance
@@ -78,6 +82,7 @@ class PosteriorCard(Document):
     color_space: str
     weights: Count
     samples: Count
+    prior: PriorUsed | None = None
     findings: Findings
     provenance: dict[str, str]
 
@@ -91,7 +96,7 @@ class PosteriorCard(Document):
         """Say how the model was made, as a person reads it."""
         count = len(self.components)
         return [
-            f"posterior of {self.samples} samples under generated materials, "
+            f"posterior of {self.samples} samples under {self.prior or 'an unrecorded prior'}, "
             f"{count} setting{'s' * (count > 1)} of the prior by evidence",
             *self.findings.sentences(),
         ]
@@ -160,6 +165,9 @@ class PosteriorBRDF:
         folder = Path(folder)
         card = read_document(PosteriorCard, SCHEMA, folder)
         prior = MaterialPrior.load(folder / PRIOR_NAME)
+        if card.prior and card.prior.sha256 != prior.sha256:
+            problem = f"is another prior than {CARD_NAME} names"
+            raise BadFileError(folder / PRIOR_NAME, problem, REMEDY)
         count, channels = card.samples, len(card.channels)
         shapes: dict[str, tuple[int, ...]] = {
             "light": (count, 3), "view": (count, 3), "log": (count, channels), "noise": (count,),
@@ -226,6 +234,7 @@ class PriorEstimator:
             color_space=samples.color_space,
             weights=samples.value.size,
             samples=len(samples),
+            prior=prior.used,
             findings=findings_of(inference, single_spectrum=None),
             provenance=samples.provenance,
         )

@@ -21,6 +21,7 @@ from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
 from nnbrdf.network import Networks, weight_count
 from nnbrdf.prior.learned import LearnedMaterial
 from nnbrdf.prior.lognormal import LogNormal
+from nnbrdf.prior.used import PriorUsed
 from nnbrdf.weights import read_tensors, shapes_of, write_tensors
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ class TaughtCard(Document):
         How many samples, how many batches, which seed.
     trainer
         Which of `nnbrdf.training.TRAINERS` made it.
+    prior
+        Under which prior it was taught; None in models made before it was recorded.
     findings
         What the samples told.
     provenance
@@ -86,6 +89,7 @@ class TaughtCard(Document):
     steps: Count
     seed: int = Field(ge=0)
     trainer: str
+    prior: PriorUsed | None = None
     findings: Findings
     provenance: dict[str, str]
 
@@ -114,6 +118,8 @@ class TaughtCard(Document):
             f"posterior by {self.teaching_error:.3f} in the logarithm, which leaves "
             f"{self.unknown:.3f} unknown",
         ]
+        if self.prior:
+            result.append(f"the posterior is under {self.prior}")
         if self.left_small:
             result.append(
                 "so few weights, since they miss the posterior by a quarter or less of what it "

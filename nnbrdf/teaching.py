@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Progress
     from gonio.samples import Samples
+    from nnbrdf.prior.used import PriorUsed
 
     Array = NDArray[np.float64]
 
@@ -107,17 +108,18 @@ class TaughtEstimator:
         """
         check_samples(samples, self.name)
         factor = None if self.general else single_spectrum(samples)
-        used = samples if factor is None else as_one_channel(samples, factor)
+        mono = samples if factor is None else as_one_channel(samples, factor)
         prior = self.prior or MaterialPrior.generate()
         families = [each for each in prior.families if not (self.general and each.isotropic)]
-        inference = infer(families, used)
-        return self._teach(inference, samples, factor, progress)
+        inference = infer(families, mono)
+        return self._teach(inference, samples, factor, prior.used, progress)
 
     def _teach(
         self,
         inference: Inference,
         samples: Samples,
         factor: Array | None,
+        used: PriorUsed,
         progress: Progress | None,
     ) -> TaughtBRDF:
         pairs = _lesson_pairs(self.seed)
@@ -152,6 +154,7 @@ class TaughtEstimator:
             steps=self.steps,
             seed=self.seed,
             trainer=self.trainer or default_trainer(),
+            prior=used,
             findings=findings_of(
                 inference,
                 single_spectrum=factor is not None if asked else None,

@@ -45,10 +45,7 @@ class RememberedPrior:
         if key not in self._told or self._told[key][0] < rank:
             most = max(rank, self._rank)
             self._told[key] = most, self._known().kinds(light, view, most)
-        return [
-            kind._replace(factor=np.ascontiguousarray(kind.factor[:, :rank]))
-            for kind in self._told[key][1]
-        ]
+        return [_shortened(kind, rank) for kind in self._told[key][1]]
 
     def expected(self, light: Array, view: Array) -> tuple[Array, Array]:
         """Return mean and deviation of ln(BRDF) at pairs (see `gonio.protocols.Prior`)."""
@@ -57,6 +54,13 @@ class RememberedPrior:
     def _known(self) -> Prior:
         self._prior = self._prior or self._make()
         return self._prior
+
+
+def _shortened(kind: PriorKind, rank: int) -> PriorKind:
+    """Return a kind of fewer columns; what the others say goes to the rest."""
+    dropped = np.einsum("ij,ij->i", kind.factor[:, rank:], kind.factor[:, rank:])
+    rest = dropped if kind.rest is None else kind.rest + dropped
+    return kind._replace(factor=np.ascontiguousarray(kind.factor[:, :rank]), rest=rest)
 
 
 class IsotropicOnly:

@@ -22,7 +22,7 @@ class Choice(NamedTuple):
     Attributes
     ----------
     measured
-        Which pairs, shape (L, V), indexed [light, view].
+        Which pairs, shape (L, V), indexed [light, view]; of a product all, those not allowed, too.
     variance_left
         Share of the prior's variance that they leave, where the criterion knows a prior.
     variance_bound

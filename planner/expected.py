@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 RANK = 400
 """Columns of the factor that errors are told with: with fewer, many shots would look too good."""
 FEWER_RANK, _MANY_PAIRS = 150, 40_000
+_TINY = float(np.finfo(float).tiny)
 
 
 class ExpectedError:
@@ -36,12 +37,9 @@ class ExpectedError:
         demand = None if field.demand is None else field.demand.ravel()
         kinds = prior.kinds(*field.pairs, rank_for(field))
         self._unknown = [Unknown(kind, demand) for kind in kinds]
-        weights = np.ones(field.allowed.size) if demand is None else demand
         # where nothing counts there is no error
-        weights = weights / max(float(weights.sum()), np.finfo(float).tiny)
-        self._variance = [
-            float(np.square(kind.factor).sum(axis=1)[kind.which] @ weights) for kind in kinds
-        ]
+        total = max(float(field.allowed.size if demand is None else demand.sum()), _TINY)
+        self._variance = [each.whole / total for each in self._unknown]
 
     def after(self, measured: NDArray[np.int64]) -> float:
         """Return what is to be expected once `measured` are, indices of pairs, shape (n,)."""

@@ -29,6 +29,8 @@ class Unknown:
     is told by two matrices of the factor's rank: the covariance C = (1 + F_m.T F_m / noise)^-1 of
     the measured rows, and C S C. A measurement's gain is what it takes off the integrated
     variance trace(S C): f.T C S C f / (f.T C f + noise) (I-optimality; Fedorov 1972, chapter 2).
+    What the factor leaves out of the prior's variance is told of measured pairs alone (as Snelson
+    and Ghahramani 2006 do), and adds to what remains.
 
     Parameters
     ----------
@@ -36,32 +38,51 @@ class Unknown:
         Its prior covariance at all pairs.
     demand
         How much each pair counts in the integral, shape (pairs,); None: all alike.
+
+    Attributes
+    ----------
+    which
+        Which of the pairs that differ each pair is, shape (pairs,).
+    whole
+        The prior's integrated variance.
+    share
+        What a unit of integrated variance counts: the kind's share over `whole`.
     """
 
     def __init__(self, kind: PriorKind, demand: Array | None = None) -> None:
         self.which = kind.which
         self._factor = kind.factor
+        self._rest = np.zeros(len(kind.factor)) if kind.rest is None else kind.rest
         self._covariance = self._middle = np.empty((0, 0))
         self._left = 0.0
+        self._times = np.zeros(len(kind.factor))
         self._variance: Array | None = None
         self._effect: Array | None = None
-        counts = np.bincount(kind.which, weights=demand, minlength=len(kind.factor))
+        counts = np.asarray(
+            np.bincount(kind.which, weights=demand, minlength=len(kind.factor)), np.float64
+        )
         self._scatter = np.zeros((kind.factor.shape[1],) * 2)
         for rows, factor in self._chunks():
             self._scatter += (factor.T * counts[rows]) @ factor
-        whole = float(np.trace(self._scatter))
-        self.share = kind.share / whole if whole > 0 else 0.0
+        self._counts = counts
+        self.whole = float(np.trace(self._scatter) + counts @ self._rest)
+        self.share = kind.share / self.whole if self.whole > 0 else 0.0
         self.forget(np.empty(0, np.int64))
 
     def forget(self, measured: NDArray[np.int64]) -> None:
         """Start again, knowing only the pairs `measured`."""
+        times = np.bincount(self.which[measured], minlength=len(self._rest))
+        self._times = np.asarray(times, np.float64)
         rows = self._rows(measured)
         precision = np.eye(rows.shape[1]) + rows.T @ rows / NOISE
         self._know(np.asarray(np.linalg.inv(precision), np.float64))
 
     def weigh(self, weights: Array) -> None:
         """Start again, each pair measured with a weight, shape (pairs,): 0 not at all, 1 once."""
-        counts = np.bincount(self.which, weights=weights, minlength=len(self._factor))
+        counts = np.asarray(
+            np.bincount(self.which, weights=weights, minlength=len(self._factor)), np.float64
+        )
+        self._times = counts
         precision: Array = np.eye(self._factor.shape[1])
         for rows, factor in self._chunks():
             precision += (factor.T * (counts[rows] / NOISE)) @ factor
@@ -69,6 +90,7 @@ class Unknown:
 
     def learn(self, measured: NDArray[np.int64]) -> None:
         """Take in measurements of a few pairs."""
+        np.add.at(self._times, self.which[measured], 1.0)
         rows = self._rows(measured)
         reach = rows @ self._covariance
         inner = rows @ reach.T + NOISE * np.eye(len(rows))
@@ -94,11 +116,13 @@ class Unknown:
         self._covariance = self._covariance - square / over
         self._middle = self._middle - (cross + cross.T - square * (size / over)) / over
         self._left -= size / over
+        self._times[self.which[pair]] += 1.0 if known else -1.0
 
     @property
     def remaining(self) -> float:
         """Integrated variance left, as a share of the prior's, times the kind's own share."""
-        return self.share * self._left
+        rest = self._rest * NOISE / (self._times * self._rest + NOISE)
+        return self.share * (self._left + float(self._counts @ rest))
 
     def gains(self) -> Array:
         """Return what measuring each pair alone would take off, shape (pairs,)."""
@@ -111,7 +135,8 @@ class Unknown:
         Its derivative for the weights of `weigh`, negated.
         """
         _, effect = self._spreads()
-        return np.asarray(self.share * effect / NOISE)[self.which]
+        own = self._counts * NOISE * (self._rest / (self._times * self._rest + NOISE)) ** 2
+        return np.asarray(self.share * (effect / NOISE + own))[self.which]
 
     def entropy_gains(self) -> Array:
         """Return by how much each pair alone would lower the log determinant, shape (pairs,)."""

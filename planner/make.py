@@ -134,7 +134,7 @@ def make_plan(
         rig_sha256=rig.sha256,
         selection=selection,
         left_out=reach.left_out(choice.measured, omitted),
-        estimates=estimate(ordered, rig, timing, route.detours_s),
+        estimates=estimate(ordered, rig, timing),
         route=RouteTime(moving_s=route.moving_s, bound_s=route.bound_s),
         shots=ordered,
     )

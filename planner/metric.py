@@ -155,11 +155,6 @@ class TimeMetric:
         return np.asarray(start * (len(self.view.go_s) * lights) + goal)
 
     @property
-    def straight(self) -> TimeMetric:
-        """The metric in which no move is slow."""
-        return replace(self, slow_keys=np.empty(0, np.int64), slow_s=np.empty(0))
-
-    @property
     def slow_moves(self) -> tuple[Indices, Indices]:
         """The poses that slow moves start from and go to, shapes (m, 2)."""
         shape = (len(self.view.go_s), len(self.light.go_s)) * 2

@@ -9,6 +9,7 @@ import numpy as np
 from planner.bound import MOST_PAIRS, least_left
 from planner.criteria import Choice
 from planner.information import Unknown
+from planner.pairing import product_of
 from planner.search import Measure, best_pairs, best_product, classes_of
 
 if TYPE_CHECKING:
@@ -45,12 +46,10 @@ class _Optimal:
         allowed = field.allowed
         light, view = np.flatnonzero(allowed.any(axis=1)), np.flatnonzero(allowed.any(axis=0))
         if (lights, views) == (len(light), len(view)):
-            return Choice(allowed.copy())
+            return Choice(product_of(allowed, light, view))
         kinds = unknown_of(field, self._prior())
         light, view = best_product(kinds, allowed, lights, views, self._measure)
-        measured = np.zeros_like(allowed)
-        measured[np.ix_(light, view)] = True
-        return _judged(field, kinds, measured & allowed)
+        return _judged(field, kinds, product_of(allowed, light, view))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose pairs one by one; of a pair and its reverse, equal by reciprocity, either in turn.
@@ -89,7 +88,7 @@ def unknown_of(field: Field, prior: Prior) -> list[Unknown]:
 
 
 def _judged(field: Field, kinds: list[Unknown], measured: NDArray[np.bool_]) -> Choice:
-    chosen = np.flatnonzero(measured)
+    chosen = np.flatnonzero(measured & field.allowed)
     for kind in kinds:
         kind.forget(chosen)
     left = float(sum(kind.remaining for kind in kinds))

@@ -54,3 +54,10 @@ def may_join(
     short = wanted[1 - axis] - len(others) - table @ common.astype(np.int64)
     cost = lost + np.maximum(short, 0)
     return np.asarray(free & (cost == cost[free].min(initial=table.size)))
+
+
+def product_of(allowed: NDArray[np.bool_], lights: Chosen, views: Chosen) -> NDArray[np.bool_]:
+    """Return all pairs of some lights and some views, of the shape of `allowed`."""
+    pairs = np.zeros_like(allowed)
+    pairs[np.ix_(np.asarray(lights), np.asarray(views))] = True
+    return pairs

@@ -54,8 +54,6 @@ class Route:
         Full turns of the phi axes beyond these, shape (n, 2).
     moving_s
         Seconds of all moves, the true times of blocked ones included.
-    detours_s
-        What of these they take beyond the same moves straight on.
     bound_s
         Seconds that no route can beat.
     method
@@ -66,7 +64,6 @@ class Route:
     phi_deg: Array
     turns: NDArray[np.int64]
     moving_s: float
-    detours_s: float
     bound_s: float
     method: str
 
@@ -122,7 +119,6 @@ def plan_route(
         phi_deg=np.stack([arm.phi_deg[at] for arm, at in places], axis=1),
         turns=np.stack([arm.turn[at] for arm, at in places], axis=1),
         moving_s=moving_s,
-        detours_s=moving_s - metric.straight.total(order),
         # a bound that is met may be above by round-off
         bound_s=min(moving_s, bound_s(metric.least(*arms), order)),
         method=f"{method}, local search" if is_available() else f"{method}, 2-opt in NumPy",

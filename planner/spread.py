@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.criteria import Choice
-from planner.pairing import may_join
+from planner.pairing import may_join, product_of
 from planner.subset import angles_between, farthest_from, farthest_points, least_energy
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class RandomChoice:
             for _ in range(count):
                 may = may_join(field.allowed, chosen, (lights, views), axis)
                 chosen[axis].append(int(rng.choice(np.flatnonzero(may))))
-        return Choice(_product(field, *chosen))
+        return Choice(product_of(field.allowed, *chosen))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Draw allowed pairs."""
@@ -67,7 +67,7 @@ class FarthestPoint:
         chosen = farthest_points(light, lights, int(np.argmax(of_lights([]))), of_lights)
         may = of_views(chosen)
         start = farthest_from(view, light[chosen], may([]))
-        return Choice(_product(field, chosen, farthest_points(view, views, start, may)))
+        return Choice(product_of(field.allowed, chosen, farthest_points(view, views, start, may)))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose by the distance of pairs (see `pair_distances`)."""
@@ -88,7 +88,7 @@ class LeastEnergy:
         of_lights, of_views = _joining(field, lights, views)
         chosen = least_energy(light, lights, may=of_lights)
         others = least_energy(view, views, light[chosen], of_views(chosen))
-        return Choice(_product(field, chosen, others))
+        return Choice(product_of(field.allowed, chosen, others))
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose pairs one after the other, each where the energy is least."""
@@ -140,12 +140,6 @@ def _joining(field: Field, lights: int, views: int) -> tuple[MayJoin, Callable[[
         return lambda chosen: may_join(field.allowed, (chosen_lights, chosen), wanted, axis=1)
 
     return of_lights, of_views
-
-
-def _product(field: Field, light: Chosen, view: Chosen) -> NDArray[np.bool_]:
-    chosen = np.zeros_like(field.allowed)
-    chosen[np.ix_(np.asarray(light), np.asarray(view))] = True
-    return chosen
 
 
 def _some(field: Field, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:

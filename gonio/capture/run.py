@@ -31,7 +31,7 @@ _SPARE_BYTES = 50_000_000
 
 
 class Capture:
-    """One run over a session's plan; what is already there is not taken again.
+    """One run over a session's plans in order; what is already there is not taken again.
 
     Parameters
     ----------
@@ -50,10 +50,10 @@ class Capture:
         self._instrument = instrument
         self._operator = operator
         self._journal = journal
-        self._plan = session.plan()
+        self._chain = session.chain()
         self._rig = session.rig()
         self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
-        self._missing = Missing(session, self._plan, journal.frames(), journal.rejected())
+        self._missing = Missing(session, self._chain, journal.frames(), journal.rejected())
 
     def run(self, progress: Progress | None = None) -> int:
         """Take every missing frame.
@@ -82,7 +82,7 @@ class Capture:
 
     def _run(self, progress: Progress | None) -> int:
         dark, white = self._missing.dark(), self._missing.white()
-        shots = [(shot, self._missing.of_shot(shot)) for shot in self._plan.shots]
+        shots = [(shot, self._missing.of_shot(shot)) for shot in self._chain.shots]
         todo = [(shot, frames) for shot, frames in shots if frames]
         total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
         check_reach([shot for shot, _ in todo], self._rig)
@@ -90,7 +90,7 @@ class Capture:
         if not total:
             return 0
         counter = _Counter(total, progress)
-        self._note("begun", plan=self._plan.sha256, rig=self._rig.sha256, frames=total)
+        self._note("begun", plan=self._chain.last.sha256, rig=self._rig.sha256, frames=total)
         with self._instrument.ready():
             self._note("homed")
             self._calibrate(dark, white, counter)
@@ -121,8 +121,8 @@ class Capture:
             taker.take(white, self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
-        # each lamp that the plan ever lights, at its first current: the flux monitor does the rest
-        settings = {lamp.n: lamp for shot in reversed(self._plan.shots) for lamp in shot.lamps}
+        # each lamp that a plan ever lights, at its first current: the flux monitor does the rest
+        settings = {lamp.n: lamp for shot in reversed(self._chain.shots) for lamp in shot.lamps}
         return tuple(settings[n] for n in sorted(settings))
 
     def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gonio.files import sha256_file
-from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES, exposures_of
+from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from gonio.journal import FrameRecord, Role
-    from gonio.plan import Plan, Shot
+    from gonio.plan import Shot
+    from gonio.planchain import PlanChain
     from gonio.session import Session
 
 FrameKey = tuple[str, int, int, float]
@@ -60,7 +61,7 @@ class Missing:
 
     Parameters
     ----------
-    session, plan
+    session, chain
         What is measured.
     records
         The journal's frames so far; those that verify are not taken again.
@@ -71,13 +72,13 @@ class Missing:
     def __init__(
         self,
         session: Session,
-        plan: Plan,
+        chain: PlanChain,
         records: Sequence[FrameRecord],
         rejected: Collection[str] = (),
     ) -> None:
         self._have = verified_frames(session, records, rejected)
         self._tries = Counter(record.key for record in records)
-        self._exposures = exposures_of(plan.shots)
+        self._exposures = chain.exposures_s
 
     def dark(self) -> list[Wanted]:
         """Return the dark frames to take."""

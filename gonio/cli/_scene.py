@@ -12,9 +12,9 @@ import click
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Mapping
 
-    from gonio.plan import LeftOut, Plan
+    from gonio.plan import Plan
     from gonio.protocols import Prior
     from planner.field import Field
     from planner.make import Omission
@@ -149,21 +149,3 @@ class SceneOptions:
         if self.plot_demand and self.pairs:
             save_demand(self.plot_demand, self.pairs.light, self.pairs.view, self.pairs.weight)
             click.echo(f"wrote {self.plot_demand}")
-
-
-def spared_rows(left_out: LeftOut) -> Iterator[tuple[str, str]]:
-    """Say what an omission spares, where the plan knows."""
-    from gonio.words import duration
-
-    if left_out.spared_shots is None:
-        return
-    seconds = 60 * (left_out.spared_min or 0.0)
-    time = duration(seconds) if seconds >= 0 else f"-{duration(-seconds)}"
-    yield "  spares", f"{left_out.spared_shots} shots, {time}"
-    if left_out.error_inside is not None:
-        elsewhere = left_out.error_outside
-        there = "" if elsewhere is None else f", {elsewhere:+.4f} elsewhere"
-        yield (
-            "  expected error",
-            f"{left_out.error_inside:+.4f} in what counts{there} (deviation of ln BRDF)",
-        )

@@ -11,6 +11,7 @@ import click
 from click.core import ParameterSource
 
 if TYPE_CHECKING:
+    from gonio.adaptive import Goal
     from gonio.cli._twin import TwinSettings
     from gonio.plan import Plan
     from gonio.rig import Rig
@@ -62,6 +63,34 @@ def _material(text: str) -> str:
     help="The session's folder; an existing one is never overwritten.",
 )
 @click.option("--resume", is_flag=True, help="Go on with the session in the output folder.")
+@click.option(
+    "--adaptive",
+    is_flag=True,
+    help="Choose further shots by what was measured, round by round, until the target or a limit; "
+    "begins with a plan of 32 pairs unless there is another.",
+)
+@click.option(
+    "--until",
+    type=float,
+    metavar="SD",
+    help="With --adaptive, the target: mean posterior standard deviation of ln(f + 0.01 white) "
+    "over the 81 x 81 pairs.  [default: 0.05]",
+)
+@click.option(
+    "--batch", type=int, metavar="N", help="With --adaptive, shots of a round.  [default: 16]"
+)
+@click.option(
+    "--max-shots", type=int, metavar="N", help="With --adaptive, shots in all.  [default: no limit]"
+)
+@click.option(
+    "--hours", type=float, help="With --adaptive, hours of rig time in all.  [default: no limit]"
+)
+@click.option(
+    "--prior",
+    "prior_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="With --adaptive, what materials look like (see gonio prior).  [default: generated ones]",
+)
 @click.option("--sample", help="Name of the sample, for the notes.")
 @click.option("--orientation", default="marked edge along +x", show_default=True)
 @click.option("--mounting", default="flat in the holder", show_default=True)
@@ -76,6 +105,12 @@ def command(
     rig_path: Path | None,
     output: Path,
     resume: bool,
+    adaptive: bool,
+    until: float | None,
+    batch: int | None,
+    max_shots: int | None,
+    hours: float | None,
+    prior_path: Path | None,
     sample: str | None,
     orientation: str,
     mounting: str,
@@ -92,9 +127,13 @@ def command(
         gonio capture --sim
         gonio capture --sim --material brushed-metal -o metal/
         gonio capture --sim --resume
+        gonio capture --sim --adaptive --until 0.1 --max-shots 200
     """  # noqa: D301
+    from gonio.cli._adaptive import Wish, measure_adaptively
     from gonio.errors import BadInputError
 
+    said = {"until": until, "batch": batch, "max_shots": max_shots, "hours": hours}
+    wish = Wish.of(said, prior_path, adaptive=adaptive)
     if not sim:
         raise BadInputError(
             "this version drives the simulated rig only; add --sim to measure with it"
@@ -102,6 +141,7 @@ def command(
     if resume:
         _refuse_notes()
         session, settings = _resumed(output, plan_path, rig_path, material, seed)
+        goal = wish.going_on(session)
     else:
         notes = {
             "sample": sample or f"{Path(material or _MATERIAL).stem} (simulated)",
@@ -110,8 +150,12 @@ def command(
             "operator": operator,
             "temperature_c": temperature_c,
         }
-        session, settings = _created(output, plan_path, rig_path, material, seed, notes)
-    _measure(session, settings)
+        goal = wish.goal()
+        session, settings = _created(output, plan_path, rig_path, material, seed, notes, goal)
+    if goal is None:
+        _measure(session, settings)
+    else:
+        measure_adaptively(session, settings, goal)
 
 
 def _refuse_notes() -> None:
@@ -140,6 +184,9 @@ def _resumed(
 
     session = Session.open(root)
     plan = Plan.load(plan_path) if plan_path else None
+    if plan is not None and plan.parent is not None and plan not in session.chain().plans:
+        with session.lock():
+            session.add_plan(plan, plan_path)
     session.check_same(plan, load_rig(rig_path) if rig_path else None)
     return session, recall(session, material, seed)
 
@@ -151,8 +198,10 @@ def _created(
     material: str | None,
     seed: int | None,
     said: dict[str, Any],
+    goal: Goal | None,
 ) -> tuple[Session, TwinSettings]:
     from gonio.capture import check_reach, check_space
+    from gonio.cli._adaptive import check_affordable, note_goal
     from gonio.cli._twin import TwinSettings, remember
     from gonio.creation import create_session
     from gonio.materials import reference_material
@@ -168,32 +217,41 @@ def _created(
     carried = load_material(material or _MATERIAL)
     reference_material(rig)
     settings = TwinSettings.of(material or _MATERIAL, seed or 0)
-    plan = _plan_for(plan_path, rig, rig_path)
+    plan = _plan_for(plan_path, rig, rig_path, goal)
     check_reach(plan.shots, rig)
     remedy = "free some space or choose another folder with -o"
     check_space(root, plan.estimates.frames, rig, remedy)
-    session = create_session(
-        root, plan, rig_text, notes, lambda session: remember(session, settings, carried)
-    )
-    return session, settings
+    if goal:
+        check_affordable(plan, goal)
+
+    def furnish(session: Session) -> None:
+        remember(session, settings, carried)
+        if goal:
+            note_goal(session, goal)
+
+    return create_session(root, plan, rig_text, notes, furnish), settings
 
 
-def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None) -> Plan:
-    """Return the plan asked for, or plan.json, or a fresh `sixth`."""
+def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None, goal: Goal | None) -> Plan:
+    """Return the plan asked for, or plan.json, or a fresh one: `sixth`, or few pairs to begin."""
+    from gonio.cli._adaptive import first_shots
+    from gonio.cli._prior import material_prior
     from gonio.cli._timing import timing_for
     from gonio.plan import Plan
-    from nnbrdf.prior import MaterialPrior
     from planner.make import make_plan
 
     found = path or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
     if found is not None:
         return Plan.load(found)
-    click.echo("no plan.json here, so this measures density sixth (see gonio plan --help)")
+    shots = first_shots(goal) if goal else None
+    what = f"begins with {shots} pairs" if shots else "measures density sixth"
+    click.echo(f"no plan.json here, so this {what} (see gonio plan --help)")
     timing = timing_for(rig, rig_path, None)
     return make_plan(
         rig,
         criterion="i-optimal",
-        prior=cache(MaterialPrior.generate),
+        shots=shots,
+        prior=cache(lambda: material_prior(goal.prior_path if goal else None)),
         timing=timing,
         bracket="predicted" if timing else "all",
     )
@@ -228,12 +286,12 @@ def _report(session: Session, settings: TwinSettings, frames: int, took_s: float
     if not frames:
         console.print(f"{session.root}: nothing left to take; the session is complete")
         return
-    expected, name = session.plan().estimates.total_s, Path(settings.material).stem
+    chain, name = session.chain(), Path(settings.material).stem
     console.print(
         f"{session.root}: {frames} frames of {name} in {duration(took_s)} of rig time "
-        f"(whole plan estimated at {duration(expected)})"
+        f"(whole plan estimated at {duration(chain.estimated_s)})"
     )
-    score = score_of(session)
+    score = score_of(session) if len(chain.plans) == 1 else None
     if score is not None:
         console.print(f"that is {score.sentence}")
     console.print(f"next: gonio reconstruct {session.root}")

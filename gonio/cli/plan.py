@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from gonio.cli._scene import SceneOptions, scene_options, spared_rows
+from gonio.cli._scene import SceneOptions, scene_options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gonio.plan import Estimates, Plan, Side
+    from gonio.rig import Rig
     from planner.candidates import Candidates
 
 BRACKETS = ("all", "predicted")
@@ -88,6 +89,14 @@ BRACKETS = ("all", "predicted")
     metavar="N",
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
+@click.option(
+    "--continue",
+    "continued",
+    type=click.Path(path_type=Path),
+    metavar="SESSION",
+    help="Choose the next shots of SESSION by what was measured of its material, and add them to "
+    "its plans; --shots says how many.  [default: 16]",
+)
 @scene_options
 @click.option(
     "--prior",
@@ -151,6 +160,7 @@ def command(
     max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
+    continued: Path | None,
     scene: Path | None,
     material: str | None,
     isotropic: bool,
@@ -178,22 +188,39 @@ def command(
         gonio plan --bracket predicted           only the exposures that a shot may need
         gonio plan --scene wall.toml             only what the scene asks for
         gonio plan --pareto                      how many shots are worth their time
+        gonio plan --continue session/ --shots 20
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from functools import partial
 
+    from gonio.cli._continue import go_on, refuse_others, tell
     from gonio.cli._pareto import write_pareto
-    from gonio.cli._prior import material_prior
+    from gonio.cli._prior import material_prior, with_prior
     from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
-    from gonio.report.plan_page import write_plan_page
     from gonio.rig import default_rig, load_rig
     from nnbrdf.usable import MIN_SAMPLES
     from planner.candidates import candidates_named
     from planner.density import split_density
     from planner.field import cosine_demand
     from planner.make import field_within, make_plan
-    from planner.reach import reach_of
 
+    if continued is not None:
+        refuse_others(criterion)
+        _refuse_idle(criterion, weight, seed, prior_path)
+        path, plan = go_on(
+            continued,
+            shots,
+            prior_path,
+            timing_path,
+            bracket,
+            criterion=criterion,
+            demand=cosine_demand if weight == "cosine" else None,
+            view_candidates=candidates_named(view_candidates or candidates),
+            light_candidates=candidates_named(light_candidates or candidates),
+        )
+        _print_table(plan)
+        tell(plan, path)
+        return
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
     if shots is not None and (views or lights or given):
@@ -256,14 +283,17 @@ def command(
     else:
         plan = make(shots=shots, prior=believed)
     plan = use.finish(plan)
+    if believed.cache_info().currsize:
+        plan = with_prior(plan, believed())
+    elif prior:
+        click.echo("note: all pairs are measured, so the prior had no say")
     plan.save(output)
     _print_table(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
     if page:
-        refused = reach_of(light_set, view_set, rig, max_theta_deg).reasons
-        write_plan_page(page_path, plan, rig, light_set, view_set, refused)
+        _write_page(page_path, plan, rig, (light_set, view_set), max_theta_deg)
         click.echo(f"wrote {page_path}")
     if plot:
         _draw(plan, plot, view_set, light_set)
@@ -283,6 +313,7 @@ def _print_table(plan: Plan) -> None:
 
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
+    from gonio.report.plan_facts import spared_rows
     from gonio.words import duration, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
@@ -296,7 +327,7 @@ def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
         yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
-        yield from spared_rows(left_out)
+        yield from ((f"  {name}", text) for name, text in spared_rows(left_out))
     yield "estimated time", _with_interval(estimates)
     for name in ("moving", "settling", "exposing", "overhead", "homing"):
         yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
@@ -330,6 +361,19 @@ def _with_interval(estimates: Estimates) -> str:
         return total
     reach_s = estimates.total_hi_s - estimates.total_s
     return f"{total} +- {duration(reach_s)} (5 to 95 %)"
+
+
+def _write_page(
+    path: Path,
+    plan: Plan,
+    rig: Rig,
+    sides: tuple[Candidates, Candidates],
+    max_theta_deg: float | None,
+) -> None:
+    from gonio.report.plan_page import write_plan_page
+    from planner.reach import reach_of
+
+    write_plan_page(path, plan, rig, *sides, reach_of(*sides, rig, max_theta_deg).reasons)
 
 
 def _timing_of(estimates: Estimates) -> str:

@@ -177,18 +177,10 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None, compare: b
 
 
 def _reduced(session: Session) -> Samples:
-    from gonio.cli._console import progress_bar
+    from gonio.cli._samples import reduced
     from gonio.files import sha256_file
-    from gonio.reduce import is_reduced, reduce_session
-    from gonio.samples import Samples
 
-    if is_reduced(session):
-        samples = Samples.load(session.samples_path)
-    else:
-        began = time.perf_counter()
-        with progress_bar("reducing") as progress:
-            samples = reduce_session(session, progress=progress)
-        session.note_timing("reduce", time.perf_counter() - began)
+    samples = reduced(session)
     made_from = samples.provenance | {"samples": sha256_file(session.samples_path)}
     return replace(samples, provenance=made_from)
 

@@ -46,7 +46,7 @@ def command(*, root: Path, patch_mm: float) -> None:
             samples = reduce_session(session, patch_mm=patch_mm, progress=progress)
         seconds = time.perf_counter() - began
         session.note_timing("reduce", seconds)
-    console.print(_table(samples, len(session.plan().shots), seconds))
+    console.print(_table(samples, len(session.chain().shots), seconds))
     console.print(f"samples: {session.samples_path}")
 
 
@@ -64,7 +64,7 @@ def _table(samples: Samples, shots: int, seconds: float) -> Table:
     bright = samples.value > 0
     relative = samples.sigma[bright] / samples.value[bright]
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    table.add_row("shots in the plan", str(shots))
+    table.add_row("shots planned", str(shots))
     table.add_row("samples", str(len(samples)))
     table.add_row("left out", str(shots - len(samples)))
     table.add_row("clipped", count(Flag.CLIPPED))

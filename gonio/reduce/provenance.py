@@ -18,16 +18,24 @@ if TYPE_CHECKING:
 
 
 def provenance_of(session: Session, used: Iterable[FrameRecord]) -> dict[str, str]:
-    """Return the SHA-256 of plan, rig, reference table and the records of the frames used."""
+    """Return the SHA-256 of last plan, rig, reference table and the records of the frames used."""
     records = sorted(used, key=lambda record: record.file)
     frames = [record.model_dump(mode="json") for record in records]
     reference = kept_reference(session)
     return {
-        "plan": session.plan().sha256,
+        "plan": session.chain().last.sha256,
         "rig": session.rig().sha256,
         "frames": sha256_bytes(canonical_json(frames)),
         **({"reference": reference.sha256} if reference else {}),
     }
+
+
+def shot_exposures(records: Iterable[FrameRecord]) -> list[float]:
+    """Return the exposures in seconds that shots were taken with so far, rising.
+
+    A plan that was added last may have others, which need no dark and white frames yet.
+    """
+    return sorted({record.exposure_s for record in records if record.role == "shot"})
 
 
 def is_reduced(session: Session) -> bool:
@@ -43,14 +51,19 @@ def is_reduced(session: Session) -> bool:
     except BadInputError:
         return False
     with session.journal() as journal:
-        captured = _captured(journal, session.plan().shots)
+        captured = _captured(journal, session.chain().shots)
     return made_from.items() >= provenance_of(session, captured).items()
 
 
 def _captured(journal: Journal, shots: Sequence[Shot]) -> list[FrameRecord]:
     """Return the newest useful record of each calibration frame and of each whole shot's."""
-    rejected = journal.rejected()
-    useful = [record for record in journal.frames() if record.file not in rejected]
+    rejected, records = journal.rejected(), journal.frames()
+    exposures = set(shot_exposures(records))
+    useful = [
+        record
+        for record in records
+        if record.file not in rejected and record.exposure_s in exposures
+    ]
     newest = {record.key: record for record in sorted(useful, key=lambda record: record.attempt)}
     whole = {
         shot.index

@@ -15,11 +15,10 @@ from gonio.reduce.color import COLOR_SPACE
 from gonio.reduce.frames import Frames
 from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
-from gonio.reduce.provenance import provenance_of
+from gonio.reduce.provenance import provenance_of, shot_exposures
 from gonio.reduce.reading import take_reading
 from gonio.reference import rig_with_reference
 from gonio.samples import Flag, Samples
-from gonio.timemodel import exposures_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,7 +68,7 @@ def reduce_session(
         When the session can only be read, or the samples cannot be written.
     """
     session.check_writable("copy it to a folder that can be written, and reduce the copy")
-    rig, shots = rig_with_reference(session), session.plan().shots
+    rig, shots = rig_with_reference(session), session.chain().shots
     with session.journal() as journal:
         records = journal.frames()
     if not any(record.role == "shot" for record in records):
@@ -81,7 +80,7 @@ def reduce_session(
     patch_mm = _patch_before(session) if patch_mm is None else patch_mm
     patches = PatchFinder(rig.camera, patch_mm)
     try:
-        calibration = calibrate(frames, rig, patches, exposures_of(shots))
+        calibration = calibrate(frames, rig, patches, shot_exposures(records))
     finally:
         _reject(session, frames)
     rows, problems = [], []

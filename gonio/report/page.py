@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from nnbrdf.albedo import Albedo
     from nnbrdf.load import Model
 
-_STAGES = ("capture", "reduce", "reconstruct")
+_STAGES = ("capture", "adaptive", "reduce", "reconstruct")
 _MEANINGS = {
     Flag.CLIPPED: "saturated in every exposure: the value is a lower bound",
     Flag.FAINT: "not above its own noise",
@@ -80,7 +80,7 @@ def _render(
         loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    chain = session.chain() if session else []
+    chain = session.chain().plans if session else ()
     estimate = load_model(model)
     content: dict[str, Any] = {
         "summary": summary,
@@ -91,6 +91,7 @@ def _render(
         "flags": _flag_counts(samples),
         "notes": session.notes() if session else None,
         "plans": chain,
+        "ending": provenance.ending_of(session),
         "timings": _timings(session),
         "simulated": session is not None and session.sim.is_dir(),
         "measured_on": provenance.measured_on(session),

@@ -30,6 +30,8 @@ _RINGS_DEG = (30.0, 60.0, 90.0)
 _LABEL_OUT_DEG, _LABEL_PHI_DEG = 6.5, 10.0
 _SPREAD = 0.2
 _MAP_SIDE = 120
+# beyond it candidates are dots, which are small on the page and in the file
+_MANY = 300
 _REFUSED = ("#c8412f90", "#d99a2b90", "#7a6a9e90", "#4d8f8a90")
 
 
@@ -45,13 +47,18 @@ def draw_directions(side: Directions) -> Figure:
     chosen = side.times > 0
     skipped = ~chosen & ~side.refused
     # areas: many candidates leave less room to each
-    room = min(1.0, 81 / len(side))
-    axes.scatter(
-        x[skipped], y[skipped], s=16 * room, facecolors="none", edgecolors=MUTED, linewidths=0.7
-    )
-    axes.scatter(
-        x[side.refused], y[side.refused], s=18 * room, marker="x", color=CHANNELS[0], linewidths=0.9
-    )
+    room = min(1.0, (81 / len(side)) ** 0.6)
+    if len(side) > _MANY:
+        _dots(axes, x[skipped], y[skipped], LINE, 1.5)
+        _dots(axes, x[side.refused], y[side.refused], CHANNELS[0], 1.5)
+    else:
+        axes.scatter(
+            x[skipped], y[skipped], s=16 * room, facecolors="none", edgecolors=MUTED, linewidths=0.7
+        )
+        axes.scatter(
+            x[side.refused], y[side.refused], s=18 * room, marker="x", color=CHANNELS[0],
+            linewidths=0.9,
+        )  # fmt: skip
     share = side.times[chosen] / side.times.max()
     axes.scatter(x[chosen], y[chosen], s=room * (14 + 40 * share), color=ACCENT, linewidths=0)
     return figure
@@ -64,7 +71,7 @@ def draw_route(side: Directions) -> Figure:
     so that lines which go there and back again stay apart.
     """
     figure, axes = _disc()
-    axes.plot(*_flat(side.theta_deg, side.phi_deg), ".", color=LINE, markersize=3, zorder=1)
+    _dots(axes, *_flat(side.theta_deg, side.phi_deg), LINE, 1.8)
     x, y = _flat(side.theta_deg[side.of_shot], side.phi_deg[side.of_shot])
     turn = 2.0 * np.pi * np.arange(len(x)) / max(len(x), 1)
     away = _SPREAD * _spacing_deg(side)
@@ -80,7 +87,7 @@ def draw_route(side: Directions) -> Figure:
 
 def draw_progress(planned: Planned, ends_s: tuple[float, float] | None) -> Figure:
     """Draw how many shots are done after which time, and between which times the last may be."""
-    figure = new_figure(5.4, 2.5)
+    figure = new_figure(4.2, 2.4)
     axes = figure.subplots()
     unit_s, unit = (3600.0, "h") if planned.done_s[-1] > 2 * 3600 else (60.0, "min")
     shots = len(planned.done_s)
@@ -95,6 +102,7 @@ def draw_progress(planned: Planned, ends_s: tuple[float, float] | None) -> Figur
     axes.set_ylim(bottom=0.0)
     axes.grid(linewidth=0.5)
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.locator_params("y", integer=True)
     axes.set_xlabel(f"time since the start ({unit})")
     axes.set_ylabel("shots done")
     return figure
@@ -172,6 +180,13 @@ def _disc() -> tuple[Figure, Axes]:
     axes.set_aspect("equal")
     axes.set_axis_off()
     return figure, axes
+
+
+def _dots(axes: Axes, x: Array, y: Array, color: str, width_pt: float) -> None:
+    """Draw dots as one line of strokes too short to see: a mark each would take ten times that."""
+    gap = np.full_like(x, np.nan)
+    along = np.stack([x, x + 0.01, gap], axis=1).ravel(), np.stack([y, y, gap], axis=1).ravel()
+    axes.plot(*along, color=color, linewidth=width_pt, solid_capstyle="round", zorder=1)
 
 
 def _flat(theta_deg: Array, phi_deg: Array) -> tuple[Array, Array]:

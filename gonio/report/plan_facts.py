@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gonio.words import duration, size
+from gonio.words import duration, several, size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gonio.plan import Estimates, Plan
+    from gonio.plan import Estimates, LeftOut, Plan
 
-_NAMES = {"full_set": "pairs of candidates", "reciprocal_pairs": "measured both ways round"}
+_NAMES = {
+    "full_set": "pairs of candidates",
+    "reciprocal_pairs": "measured both ways round",
+    "variance_bound": "of any choice at least",
+}
 
 
 def cards(plan: Plan) -> Iterator[tuple[str, str, str]]:
     """Yield what comes first: name, value, and what it is of."""
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
-    yield "shots", f"{shots}", f"{selection.lights} lights, {selection.views} views"
+    yield (
+        "shots",
+        f"{shots}",
+        f"{several(selection.lights, 'light')}, {several(selection.views, 'view')}",
+    )
     yield "measured", f"{100 * shots / selection.full_set:.3g} %", f"of {selection.full_set} pairs"
     yield "time", duration(estimates.total_s), _interval(estimates)
     yield "storage", size(estimates.storage_bytes), f"in {estimates.frames} frames"
@@ -51,5 +59,22 @@ def facts(plan: Plan) -> Iterator[tuple[str, str]]:
     for name in type(plan.selection).model_fields:
         value = getattr(plan.selection, name)
         if value is not None:
-            text = f"{value:.3g}" if isinstance(value, float) else str(value)
+            # the only fractions there are shares of the prior's variance
+            text = f"{value:.2%} of the prior's" if isinstance(value, float) else str(value)
             yield _NAMES.get(name, name.replace("_", " ")), text
+
+
+def spared_rows(left_out: LeftOut) -> Iterator[tuple[str, str]]:
+    """Say what an omission spares, where the plan knows."""
+    if left_out.spared_shots is None:
+        return
+    seconds = 60 * (left_out.spared_min or 0.0)
+    time = duration(seconds) if seconds >= 0 else f"-{duration(-seconds)}"
+    yield "spares", f"{left_out.spared_shots} shots, {time}"
+    if left_out.error_inside is not None:
+        elsewhere = left_out.error_outside
+        there = "" if elsewhere is None else f", {elsewhere:+.4f} elsewhere"
+        yield (
+            "expected error",
+            f"{left_out.error_inside:+.4f} in what counts{there} (deviation of ln BRDF)",
+        )

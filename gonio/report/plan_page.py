@@ -8,9 +8,9 @@ from gonio.files import write_bytes
 from gonio.report import plan_drawings as draw
 from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
-from gonio.report.plan_facts import cards, ends_s, facts, parts
+from gonio.report.plan_facts import cards, ends_s, facts, parts, spared_rows
 from gonio.report.planned import Planned
-from gonio.words import duration
+from gonio.words import duration, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -65,10 +65,9 @@ def write_plan_page(
         loader=PackageLoader("gonio", "report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    shots = len(plan.shots)
     of_time = list(parts(plan.estimates))
     page = environment.get_template("plan.html").render(
-        title=f"{shots} shot{'' if shots == 1 else 's'} in {duration(plan.estimates.total_s)}",
+        title=f"{several(len(plan.shots), 'shot')} in {duration(plan.estimates.total_s)}",
         plan=plan,
         cards=list(cards(plan)),
         parts=of_time,
@@ -128,12 +127,13 @@ def _first(planned: Planned) -> str:
 
 def _left_out(
     plan: Plan, refused: Mapping[str, NDArray[np.bool_]]
-) -> Iterator[tuple[str, str, str]]:
-    """Yield why pairs are left out, how many, and their color on the map."""
+) -> Iterator[tuple[str, str, str, list[str]]]:
+    """Yield why pairs are left out, how many, their color on the map, and what that spares."""
     colors = {reason: draw.refused_color(number) for number, reason in enumerate(refused)}
     for left in plan.left_out:
-        yield left.reason, str(left.shots), colors.get(left.reason, draw.NOT_CHOSEN)
+        spared = [" ".join(row) for row in spared_rows(left)]
+        yield left.reason, str(left.shots), colors.get(left.reason, draw.NOT_CHOSEN), spared
     counted = {left.reason for left in plan.left_out}
     for reason, pairs in refused.items():
         if reason not in counted and pairs.any():
-            yield f"{reason}: never chosen", f"({pairs.sum()})", colors[reason]
+            yield f"{reason}: never chosen", f"({pairs.sum()})", colors[reason], []

@@ -7,6 +7,7 @@ from datetime import timedelta
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
+from gonio.adaptive.goal import ending
 from gonio.files import sha256_file
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def hashes(model: Path, samples: Samples, session: Session | None) -> list[tuple
 def _of_session(session: Session | None) -> Iterator[tuple[str, str]]:
     if session is None:
         return
-    for number, plan in enumerate(session.chain()):
+    for number, plan in enumerate(session.chain().plans):
         yield f"plan {number:03d}", plan.sha256
     yield "rig", session.rig().sha256
     if session.samples_path.is_file():
@@ -52,6 +53,13 @@ def _of_samples(samples: Samples) -> Iterator[tuple[str, str]]:
 
 
 def _of_model(model: Path) -> Iterator[tuple[str, str]]:
+    from nnbrdf.card import read_json
+    from nnbrdf.prior.used import PriorUsed
+
+    card = read_json(model)
+    if isinstance(card, dict) and card.get("prior"):
+        used = PriorUsed.model_validate(card["prior"])
+        yield f"prior ({used})", used.sha256
     for name in _MODEL_FILES:
         if (model / name).is_file():
             yield name, sha256_file(model / name)
@@ -67,3 +75,11 @@ def measured_on(session: Session | None) -> tuple[str, timedelta] | None:
         return None
     took = max(times) - min(times)
     return min(times).date().isoformat(), timedelta(seconds=round(took.total_seconds()))
+
+
+def ending_of(session: Session | None) -> str | None:
+    """Return what ended an adaptive capture, by the session's journal."""
+    if session is None or not session.journal_path.is_file():
+        return None
+    with session.journal() as journal:
+        return ending(journal)

@@ -71,6 +71,8 @@ def exchange(a: Pairs, b: Pairs, *, isotropic: bool) -> Array:
 
     def between(pairs: Pairs) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
         both = tilts(np.concatenate([pairs.light, pairs.view]))
+        if len(b) == 1:  # a column: sorting would take longer than what it saves
+            return both, *np.arange(len(both)).reshape(2, -1)
         # a rig goes to few directions many times
         distinct, which = np.unique(both, axis=0, return_inverse=True)
         light, view = which.reshape(2, -1)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from itertools import count
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
@@ -12,12 +12,17 @@ import numpy as np
 from gonio.errors import BadFileError
 from gonio.files import write_with
 from gonio.protocols import PriorKind
-from nnbrdf.halfway import HALFWAY, HALFWAY_INPUTS
-from nnbrdf.network import Networks
 from nnbrdf.prior.family import Family, Settings, Traits, pivots_and_factor
 from nnbrdf.prior.generated import GeneratedMaterials
 from nnbrdf.prior.geometry import Pairs
-from nnbrdf.prior.learned import LearnedMaterial
+from nnbrdf.prior.stored import (
+    digest_of,
+    examples_arrays,
+    families_from,
+    learned_arrays,
+    learned_from,
+)
+from nnbrdf.prior.used import PriorUsed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,13 +30,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from nnbrdf.prior.learned import LearnedMaterial
+
     Array = NDArray[np.float64]
 
 SCHEMA = "gonio.prior/1"
 EXAMPLES = 2000
 ISOTROPIC_SHARE = 0.8
-_EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
-_SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
+EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
+SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
 """Generated examples that choose pairs: 2000 would leave one per cent less, in thrice the time."""
 _MANY, _LANDMARKS, _AT_ONCE = 20_000, 3000, 10_000
 _REMEDY = "make it with: gonio prior build"
@@ -74,7 +81,7 @@ class MaterialPrior:
         """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
         shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
-        told = [family.expected(pairs, _EXPECTED) for family in self.families]
+        told = [family.expected(pairs, EXPECTED) for family in self.families]
         mean, variance = (np.array(each) for each in zip(*told, strict=True))
         middle = shares @ mean
         return middle, np.sqrt(shares @ (variance + (mean - middle) ** 2))
@@ -93,20 +100,30 @@ class MaterialPrior:
             )
         )
 
+    @property
+    def learned(self) -> tuple[LearnedMaterial, ...]:
+        """The materials that were measured."""
+        # the second family has them all
+        return self.families[1].learned
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the examples' parameters and weights, however they are kept in a file."""
+        return digest_of(self._arrays)
+
+    @property
+    def used(self) -> PriorUsed:
+        """What the card of a model records of the prior."""
+        generated = sum(len(family.examples) for family in self.families)
+        return PriorUsed(sha256=self.sha256, generated=generated, measured=len(self.learned))
+
     def save(self, path: Path) -> None:
         """Write the examples' parameters and weights as npz, without pickles."""
-        arrays = {
-            f"{family.name}.{field.name}": getattr(family.examples, field.name)
-            for family in self.families
-            for field in fields(GeneratedMaterials)
-        }
-        # the second family has them all
-        for index, each in enumerate(self.families[1].learned):
-            arrays |= _arrays_of(f"learned.{index}", each)
 
         def write(aside: Path) -> None:
             with aside.open("wb") as file:
-                np.savez_compressed(file, schema=np.array(SCHEMA), **arrays)
+                arrays: dict[str, Any] = {"schema": np.array(SCHEMA), **self._arrays}
+                np.savez_compressed(file, **arrays)
 
         write_with(path, write)
 
@@ -124,10 +141,7 @@ class MaterialPrior:
                 arrays = dict(file)
             if str(arrays["schema"]) != SCHEMA:
                 raise BadFileError(path, f"has schema {arrays['schema']}, not {SCHEMA}", _REMEDY)
-            isotropic, other = (
-                Family(name, _examples(arrays, name)) for name in ("isotropic", "anisotropic")
-            )
-            return cls((isotropic, other)).learn(_learned(arrays))
+            return cls(families_from(arrays)).learn(learned_from(arrays))
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
         except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile) as error:
@@ -135,88 +149,61 @@ class MaterialPrior:
             problem = "it is no npz of arrays" if "pickle" in str(error) else error
             raise BadFileError(path, f"is no prior ({problem})", _REMEDY) from None
 
-
-def _examples(arrays: dict[str, Array], name: str) -> GeneratedMaterials:
-    columns = [arrays[f"{name}.{field.name}"].astype(float) for field in fields(GeneratedMaterials)]
-    examples = GeneratedMaterials(*columns)
-    drawn = GeneratedMaterials.draw(1, 0, isotropic=True)
-    for field, column in zip(fields(GeneratedMaterials), columns, strict=True):
-        shape = (len(examples), *getattr(drawn, field.name).shape[1:])
-        if column.shape != shape or not len(examples) or not np.isfinite(column).all():
-            raise ValueError(f"{name}.{field.name} is not finite and of shape {shape}")
-    with np.errstate(all="ignore"):
-        white = Family(name, examples).white
-    if not (np.isfinite(white) & (white > 0)).all():
-        raise ValueError(f"{np.sum(~(white > 0))} {name} examples are no materials")
-    return examples
+    @property
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return examples_arrays(self.families) | learned_arrays(self.learned)
 
 
-def _arrays_of(prefix: str, material: LearnedMaterial) -> dict[str, Any]:
-    layers = {f"{prefix}.layer.{i}": layer for i, layer in enumerate(material.network.layers)}
-    return layers | {
-        f"{prefix}.encoding": np.array(material.encoding),
-        f"{prefix}.activation": np.array(material.network.activation),
-        f"{prefix}.tint": material.tint,
-    }
-
-
-def _learned(arrays: dict[str, Array]) -> list[LearnedMaterial]:
-    result: list[LearnedMaterial] = []
-    for index in count():
-        prefix = f"learned.{index}"
-        if f"{prefix}.encoding" not in arrays:
-            return result
-        depth = sum(name.startswith(f"{prefix}.layer.") for name in arrays)
-        layers = tuple(arrays[f"{prefix}.layer.{i}"] for i in range(depth))
-        encoding = str(arrays[f"{prefix}.encoding"])
-        if encoding not in HALFWAY or not all(np.isfinite(layer).all() for layer in layers):
-            raise ValueError(f"learned material {index} cannot be evaluated")
-        network = Networks(layers, str(arrays[f"{prefix}.activation"]))
-        if network.sizes[0] != HALFWAY_INPUTS[encoding]:
-            raise ValueError(f"learned material {index} has other inputs")
-        result.append(LearnedMaterial(network, encoding, arrays[f"{prefix}.tint"]))
-    return result
-
-
-def _factor(family: Family, pairs: Pairs, rank: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return a factor of the covariance of the pairs that differ, and which each pair is.
+def _factor(
+    family: Family, pairs: Pairs, rank: int
+) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+    """Return a factor of the covariance of the pairs that differ, which each is, and the rest.
 
     Of very many pairs a few are drawn, which choose the columns, and the others follow from these
     (Nystroem's way; Williams and Seeger 2001), so that nothing grows with their square.
     """
     distinct, which = family.distinct(pairs)
     many = len(distinct) > _MANY
-    family = _thinned(family, _FEW_EXAMPLES if many else _SOME_EXAMPLES)
+    family = thinned(family, _FEW_EXAMPLES if many else SOME_EXAMPLES)
     drawn = np.arange(len(distinct))
     if many:
         drawn = np.sort(np.random.default_rng(0).choice(drawn, _LANDMARKS, replace=False))
     landmarks = family.traits(distinct.part(drawn))
-    variance = family.variances(landmarks).total(_EXPECTED)
+    variance = family.variances(landmarks).total(EXPECTED)
 
     def column(index: int) -> Array:
         one = landmarks.part(np.array([index]))
-        return family.covariance(landmarks, one, _EXPECTED)[:, 0]
+        return family.covariance(landmarks, one, EXPECTED)[:, 0]
 
     pivots, factor = pivots_and_factor(variance, column, rank)
-    if many:
-        factor = _spread(family, distinct, landmarks.part(pivots), factor[pivots])
-    return factor, which
+    if not many:
+        return factor, which, _rest(variance, factor)
+    return _spread(family, distinct, which, landmarks.part(pivots), factor[pivots])
 
 
-def _thinned(family: Family, examples: int) -> Family:
+def _rest(variance: Array, factor: NDArray[Any]) -> Array:
+    return np.asarray((variance - np.einsum("ij,ij->i", factor, factor)).clip(0.0))
+
+
+def thinned(family: Family, examples: int) -> Family:
     """Return the family with no more than so many of its generated examples, evenly taken."""
     rows = np.arange(0, len(family.examples), max(1, len(family.examples) // examples))
     return replace(family, examples=family.examples.select(rows))
 
 
-def _spread(family: Family, distinct: Pairs, pivots: Traits, lower: Array) -> NDArray[Any]:
-    """Return the factor at all pairs from the covariance with some and its lower factor there."""
+def _spread(
+    family: Family, distinct: Pairs, which: NDArray[np.int64], pivots: Traits, lower: Array
+) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+    """Return what `_factor` does, from the covariance with some and its lower factor there."""
     from scipy.linalg import solve_triangular
 
     # single precision: half a million rows of 150 numbers, and both kinds of them
     result = np.empty((len(distinct), len(lower)), np.float32)
+    rest = np.empty(len(distinct))
     for start in range(0, len(distinct), _AT_ONCE):
         rows = slice(start, start + _AT_ONCE)
-        covariance = family.covariance(pivots, family.traits(distinct.part(rows)), _EXPECTED)
+        traits = family.traits(distinct.part(rows))
+        covariance = family.covariance(pivots, traits, EXPECTED)
         result[rows] = solve_triangular(lower, covariance, lower=True).T
-    return result
+        rest[rows] = _rest(family.variances(traits).total(EXPECTED), result[rows])
+    return result, which, rest

@@ -67,4 +67,7 @@ def _deviation(kind: PriorKind, measured: NDArray[np.bool_]) -> Array:
     for start in range(0, len(variance), _CHUNK):
         some = kind.factor[start : start + _CHUNK]
         variance[start : start + _CHUNK] = ((some @ covariance) * some).sum(axis=1)
+    if kind.rest is not None:
+        times = np.bincount(kind.which[np.flatnonzero(measured)], minlength=len(variance))
+        variance += kind.rest * NOISE / (times * kind.rest + NOISE)
     return np.asarray(np.sqrt(variance.clip(min=0.0))[kind.which])

@@ -11,8 +11,10 @@ import numpy as np
 from gonio.errors import BadInputError
 from gonio.plan import LeftOut
 from planner.beliefs import IsotropicOnly, RememberedPrior
+from planner.expected import rank_for
 from planner.information import Unknown
-from planner.optimal import RANK, unknown_of
+from planner.locate import rows_of
+from planner.optimal import unknown_of
 from planner.scene.expected import Expected, expected_error
 from planner.scene.use import NOT_ASKED, SAME_AZIMUTH
 from planner.search import Measure, best_pairs
@@ -97,8 +99,9 @@ def plan_for_use(
         When nothing is left to measure, or fewer pairs than are asked for.
     """
     _check_count(wanted, field_of(use.omissions()))
-    remembered = RememberedPrior(prior)
-    judge = _Judge.of(use, field_of({}), remembered)
+    whole = field_of({})
+    remembered = RememberedPrior(prior, rank_for(whole))
+    judge = _Judge.of(use, whole, remembered)
     last = judge.step(make(prior=lambda: remembered, shots=wanted.shots))
     most, target = len(last.plan.shots), last.expected.inside
     spared = {}
@@ -158,16 +161,13 @@ class _Judge:
     @classmethod
     def of(cls, use: Use, field: Field, prior: Prior) -> _Judge:
         belief = IsotropicOnly(prior) if use.isotropic else prior
-        kinds = belief.kinds(*field.pairs, RANK)
+        kinds = belief.kinds(*field.pairs, rank_for(field))
         sides = field.lights, field.views
         return cls(*sides, kinds, use.demand(*sides), use.asked(*sides))
 
     def step(self, plan: Plan) -> _Step:
-        lights, views = (_places(each) for each in (self.lights, self.views))
         measured = np.zeros(self.asked.shape, bool)
-        for shot in plan.shots:
-            light = lights[shot.light_theta_deg, shot.light_phi_deg]
-            measured[light, views[shot.view_theta_deg, shot.view_phi_deg]] = True
+        measured[rows_of(plan, "light", self.lights), rows_of(plan, "view", self.views)] = True
         return _Step(plan, self._expected(measured))
 
     def fewest(self, field: Field, prior: Prior, target: float, most: int) -> int:
@@ -187,11 +187,6 @@ class _Judge:
 
     def _expected(self, measured: NDArray[np.bool_]) -> Expected:
         return expected_error(self.kinds, measured, self.demand, self.asked)
-
-
-def _places(candidates: Candidates) -> dict[tuple[float, float], int]:
-    angles = zip(candidates.theta_deg.tolist(), candidates.phi_deg.tolist(), strict=True)
-    return {each: index for index, each in enumerate(angles)}
 
 
 def _parts(use: Use) -> Iterator[tuple[str, Use]]:

@@ -20,10 +20,10 @@ RIG = default_rig()
 NOTES = Notes(sample="felt", orientation="grain along +x", mounting="flat", operator="Ada")
 
 
-def make_plan(parent=None, view_theta_deg=45.0):
+def make_plan(parent=None, view_theta_deg=45.0, index=0, rig=RIG):
     shots = (
         Shot(
-            index=0, light_theta_deg=0, light_phi_deg=0, view_theta_deg=view_theta_deg,
+            index=index, light_theta_deg=0, light_phi_deg=0, view_theta_deg=view_theta_deg,
             view_phi_deg=0, exposures_s=(0.1,), lamps=(LampSetting(n=1, mA=700),),
         ),
     )  # fmt: skip
@@ -33,7 +33,7 @@ def make_plan(parent=None, view_theta_deg=45.0):
     )  # fmt: skip
     return Plan(
         parent=parent,
-        rig_sha256=RIG.sha256,
+        rig_sha256=rig.sha256,
         selection=selection,
         estimates=estimate(shots, RIG),
         shots=shots,
@@ -185,7 +185,7 @@ def test_a_journal_that_cannot_grow(tmp_path):
 
 
 def test_a_new_session_holds_what_it_was_begun_with(session):
-    assert session.chain() == [PLAN]
+    assert session.chain().plans == (PLAN,)
     assert session.rig() == RIG
     assert session.notes() == NOTES
     assert json.loads(session.notes_path.read_text())["schema"] == "gonio.session/1"
@@ -231,7 +231,8 @@ def test_neither_is_any_other_file_or_folder(tmp_path):
 
 def test_an_empty_folder_will_do(tmp_path):
     (tmp_path / "empty").mkdir()
-    assert create_session(tmp_path / "empty", PLAN, default_rig_text(), NOTES).chain() == [PLAN]
+    made = create_session(tmp_path / "empty", PLAN, default_rig_text(), NOTES)
+    assert made.chain().plans == (PLAN,)
 
 
 def test_a_folder_that_is_no_session(tmp_path):
@@ -242,24 +243,53 @@ def test_a_folder_that_is_no_session(tmp_path):
 
 
 def test_the_chain_of_plans(session):
-    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0)
-    second.save(session.plans / "001.json")
-    third = make_plan(parent=second.sha256, view_theta_deg=60.0)
-    third.save(session.plans / "002.json")
-    assert session.chain() == [PLAN, second, third]
+    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0, index=1)
+    assert session.add_plan(second) == session.plans / "001.json"
+    third = make_plan(parent=second.sha256, view_theta_deg=60.0, index=7)
+    assert session.add_plan(third) == session.plans / "002.json"
+    chain = session.chain()
+    assert chain.plans == (PLAN, second, third)
+    assert [shot.index for shot in chain.shots] == [0, 1, 7]
+    assert (chain.next_index, chain.next_name) == (8, "003.json")
 
 
-STRANGERS = [
-    ("no parent", make_plan(view_theta_deg=30.0)),
-    ("another parent", make_plan(parent="0" * 64)),
-]
+OTHER_RIG = RIG.model_copy(update={"arm": RIG.arm.model_copy(update={"min_separation_deg": 5.0})})
+STRANGERS = {
+    "no parent": (make_plan(index=1), "parent is None, not the plan before it"),
+    "another parent": (make_plan(parent="0" * 64, index=1), "parent is 000000000000, not"),
+    "another rig": (make_plan(PLAN.sha256, index=1, rig=OTHER_RIG), "is for rig .*, not the"),
+    "a shot again": (make_plan(PLAN.sha256), "shot 0 is in a plan before it"),
+}
 
 
-@pytest.mark.parametrize("plan", [c[1] for c in STRANGERS], ids=[c[0] for c in STRANGERS])
-def test_a_plan_that_does_not_name_the_one_before(session, plan):
+@pytest.mark.parametrize(("plan", "says"), STRANGERS.values(), ids=STRANGERS)
+def test_a_plan_that_does_not_go_on_from_the_one_before(session, plan, says):
+    before = files_of(session.root)
+    with pytest.raises(ResumeRefusedError, match=rf"001\.json: {says}"):
+        session.add_plan(plan)
+    assert files_of(session.root) == before
     plan.save(session.plans / "001.json")
-    with pytest.raises(BadFileError, match=r"001\.json: parent is .*, not the plan before it"):
+    with pytest.raises(ResumeRefusedError, match=rf"001\.json: {says}") as caught:
         session.chain()
+    assert caught.value.exit_code == 4
+
+
+def test_a_chain_with_a_gap(session):
+    make_plan(PLAN.sha256, index=1).save(session.plans / "002.json")
+    with pytest.raises(BadFileError, match=r"001\.json: is missing, though 002\.json is there"):
+        session.chain()
+
+
+def test_half_a_plan_is_none(session):
+    (session.plans / ".001.json.part").write_text("half a pl")
+    assert session.chain().plans == (PLAN,)
+
+
+def test_an_exposure_keeps_its_place_when_a_plan_is_added(session):
+    second = make_plan(parent=PLAN.sha256, index=1)
+    shot = second.shots[0].model_copy(update={"exposures_s": (0.05, 0.1, 0.02)})
+    session.add_plan(second.model_copy(update={"shots": (shot,)}))
+    assert session.chain().exposures_s == (0.1, 0.02, 0.05)
 
 
 def test_resuming_with_the_same_is_allowed(session):
@@ -268,12 +298,9 @@ def test_resuming_with_the_same_is_allowed(session):
 
 
 def test_resuming_with_another_plan_or_rig_is_refused(session):
-    other_rig = RIG.model_copy(
-        update={"arm": RIG.arm.model_copy(update={"min_separation_deg": 5.0})}
-    )
     for plan, rig, says in (
         (make_plan(view_theta_deg=30.0), None, "was begun with plan"),
-        (None, other_rig, "was begun with rig"),
+        (None, OTHER_RIG, "was begun with rig"),
     ):
         with pytest.raises(ResumeRefusedError, match=says) as caught:
             session.check_same(plan, rig)
@@ -281,8 +308,8 @@ def test_resuming_with_another_plan_or_rig_is_refused(session):
 
 
 def test_after_an_added_plan_the_first_alone_is_another(session):
-    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0)
-    second.save(session.plans / "001.json")
+    second = make_plan(parent=PLAN.sha256, view_theta_deg=30.0, index=1)
+    session.add_plan(second)
     session.check_same(second, None)
     with pytest.raises(ResumeRefusedError):
         session.check_same(PLAN, None)

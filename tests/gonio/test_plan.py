@@ -208,8 +208,9 @@ def test_estimates_add_up():
     assert expected.frames == 2 * 2 + 8 * 2
     assert expected.exposing_s == pytest.approx((2 + 8) * 1.1)
     assert expected.storage_bytes >= expected.frames * 2 * RIG.camera.width * RIG.camera.height
-    parts = (expected.moving_s, expected.settling_s, expected.exposing_s, expected.overhead_s)
-    assert expected.total_s == sum(parts)
+    names = ("moving", "settling", "exposing", "overhead", "homing")
+    parts = [getattr(expected, f"{name}_s") for name in names]
+    assert expected.total_s == pytest.approx(sum(parts))
     assert expected.total_lo_s < expected.total_s < expected.total_hi_s
 
 

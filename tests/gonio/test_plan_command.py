@@ -5,8 +5,11 @@ import sys
 import numpy as np
 import pytest
 
+from gonio.clearance import not_free
 from gonio.plan import Plan
-from gonio.rig import default_rig_text
+from gonio.rig import default_rig_text, load_rig
+from gonio.timemodel import pose_angles_deg
+from nnbrdf.prior import MaterialPrior
 
 SUBSETS = [
     # options, views, lights, shots
@@ -63,12 +66,20 @@ def test_a_refused_plan_leaves_the_old_one(gonio, tmp_path):
     assert (tmp_path / "plan.json").read_text() == "old"
 
 
-def test_a_rig_of_ones_own(gonio, tmp_path):
-    text = default_rig_text().replace("min_separation_deg = 0.0", "min_separation_deg = 100.0")
+@pytest.mark.parametrize(("degrees", "kept"), [(20, True), (140, False)])
+def test_a_rig_of_ones_own(gonio, tmp_path, degrees, kept):
+    text = default_rig_text().replace("min_separation_deg = 0.0", f"min_separation_deg = {degrees}")
     (tmp_path / "rig.toml").write_text(text)
-    result = gonio("plan", "--rig", "rig.toml")
-    assert "closer than 100 deg (arm.min_separation_deg)" in result.stdout
-    assert len(Plan.load(tmp_path / "plan.json").shots) < 196
+    result = gonio("plan", "--rig", "rig.toml", "--no-page")
+    lost = f"closer than {degrees} deg (arm.min_separation_deg)" in result.stdout
+    assert lost != kept
+    shots = Plan.load(tmp_path / "plan.json").shots
+    assert (len(shots) == 196) == kept
+    assert all(not reasons.any() for reasons in not_free_of(shots, tmp_path / "rig.toml"))
+
+
+def not_free_of(shots, rig):
+    return not_free(pose_angles_deg(shots), load_rig(rig)).values()
 
 
 def test_the_plot_shows_the_chosen_directions(gonio, tmp_path):
@@ -107,3 +118,16 @@ def test_planning_leaves_torch_alone(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "p.json")], check=False)
     assert done.returncode == 0
+
+
+def test_a_plan_names_the_prior_that_it_was_made_with(gonio, tmp_path):
+    prior = MaterialPrior.generate(examples=60, seed=3)
+    prior.save(tmp_path / "ours.npz")
+    rings = ("--candidates", "rings:0x1,30x4", "--no-page")
+    asked = gonio("plan", *rings, "--shots", "8", "--prior", "ours.npz")
+    assert asked.returncode == 0, asked.stderr
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 == prior.sha256
+    every = gonio("plan", *rings, "--density", "all", "--prior", "ours.npz")
+    assert "all pairs are measured, so the prior had no say" in every.stdout
+    assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 is None
+    assert "prior_sha256" not in (tmp_path / "plan.json").read_text()

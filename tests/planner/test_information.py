@@ -9,7 +9,8 @@ from gonio.directions import paper_directions
 from gonio.errors import BadInputError
 from gonio.protocols import PriorKind
 from gonio.rig import default_rig
-from nnbrdf.prior import MaterialPrior
+from nnbrdf.prior import MaterialPrior, Pairs
+from nnbrdf.prior.material_prior import EXPECTED
 from planner.bound import least_left
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named
@@ -89,6 +90,7 @@ def test_steps_of_one_pair_end_where_all_at_once_do(seed):
 def test_a_slope_is_the_derivative_for_a_weight(seed):
     rng = np.random.default_rng(seed)
     kind = random_kind(rng)
+    kind = kind._replace(rest=rng.random(30) ** 8)
     weights = rng.random(60)
     unknown, more = Unknown(kind), Unknown(kind)
     unknown.weigh(weights)
@@ -140,6 +142,27 @@ def test_a_gain_is_what_measuring_takes_off(seed):
         assert unknown.remaining - after.remaining == pytest.approx(gain, rel=1e-6, abs=1e-9)
     alone = unknown.block_gains(np.arange(60)[:, None], np.ones((60, 1), bool))
     assert unknown.gains() == pytest.approx(alone)
+
+
+def test_what_the_factor_leaves_out_is_no_knowledge(prior):
+    measured = IOptimal(lambda: prior).pairs(whole(), 64)
+    chosen = np.flatnonzero(measured.measured)
+    family = prior.families[0]
+    distinct, which = family.distinct(Pairs.of(*whole().pairs))
+    traits = family.traits(distinct)
+    covariance = family.covariance(traits, traits, EXPECTED)
+    exact = variance_left(
+        PriorKind("", 1.0, np.linalg.cholesky(covariance + 1e-9 * np.eye(len(distinct))), which),
+        chosen,
+    )
+    for rank in (60, 150):
+        unknown = Unknown(prior.kinds(*whole().pairs, rank)[0]._replace(share=1.0))
+        unknown.forget(chosen)
+        assert unknown.remaining == pytest.approx(exact, rel=0.25)
+        for pair in chosen[:20]:
+            unknown.turn(pair, known=False)
+        unknown.learn(chosen[:20])
+        assert unknown.remaining == pytest.approx(exact, rel=0.25)
 
 
 def test_pairs_that_symmetry_makes_equal_are_measured_once(prior):

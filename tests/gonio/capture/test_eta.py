@@ -31,6 +31,7 @@ RIGS = {
     "fast": with_speeds(60.0, 90.0, 2.0),
     "slow": with_speeds(5.0, 8.0, 1.0),
     "one-sided": re.sub("approach_deg = 0.0", "approach_deg = 2.0", TEXT),
+    "arms apart": TEXT.replace("min_separation_deg = 0.0", "min_separation_deg = 25.0"),
     "warming up": with_lamps("warm_up_s = 60.0"),
     "resting": with_lamps("warm_up_s = 20.0\nrest_after_s = 60.0\nrest_s = 30.0"),
     "short exposures": TEXT.replace("[0.002, 0.02, 0.2, 2.0]", "[1e-6, 0.001]"),
@@ -64,10 +65,10 @@ def test_a_capture_in_two_goes_has_no_score(stage):
     def stop(twin, instrument):
         move = instrument.arm.move
 
-        def and_stop(angles_deg):
+        def and_stop(*where):
             if len(here.shots()) >= 3:
                 raise KeyboardInterrupt
-            move(angles_deg)
+            move(*where)
 
         instrument.arm.move = and_stop
 

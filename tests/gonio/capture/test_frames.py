@@ -74,10 +74,10 @@ def test_a_fault_on_the_way_to_the_next_shot_keeps_what_was_exposed(stage):
     def trip(twin, instrument):
         move = instrument.arm.move
 
-        def and_fail(angles_deg):
+        def and_fail(*where):
             if len(here.shots()) >= 3:
                 twin.set_interlock(True)
-            move(angles_deg)
+            move(*where)
 
         instrument.arm.move = and_fail
 
@@ -94,10 +94,10 @@ def test_a_stop_on_the_way_loses_one_frame_that_is_taken_again(stage):
     def interrupt(twin, instrument):
         move = instrument.arm.move
 
-        def and_stop(angles_deg):
+        def and_stop(*where):
             if len(here.shots()) >= 3:
                 raise KeyboardInterrupt
-            move(angles_deg)
+            move(*where)
 
         instrument.arm.move = and_stop
 
@@ -116,11 +116,11 @@ def test_a_file_of_before_the_trigger_is_never_taken(stage):
     def plant(twin, instrument):
         move = instrument.arm.move
 
-        def and_plant(angles_deg):
+        def and_plant(*where):
             # the number of the next exposure, while the last of the shot before is on its way
             if len(here.shots()) == 7:
                 (here.folder / f"frame_{32 + 9:06d}.dng").write_bytes(b"old")
-            move(angles_deg)
+            move(*where)
 
         instrument.arm.move = and_plant
 

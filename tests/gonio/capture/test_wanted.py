@@ -47,7 +47,7 @@ def record(session, wanted, content=b"whole"):
 
 
 def test_a_new_session_needs_everything(session, plan):
-    missing = Missing(session, plan, [])
+    missing = Missing(session, session.chain(), [])
     assert len(missing.dark()) == len(missing.white()) == 4 * 4
     frames = [frame for shot in plan.shots for frame in missing.of_shot(shot)]
     assert len(frames) == 2 * 4
@@ -57,14 +57,14 @@ def test_a_new_session_needs_everything(session, plan):
 
 def test_what_verifies_is_kept_and_the_rest_taken_again(session, plan):
     shot = plan.shots[0]
-    frames = Missing(session, plan, []).of_shot(shot)
+    frames = Missing(session, session.chain(), []).of_shot(shot)
     records = [
         record(session, frames[0]),
         record(session, frames[1], content=b"other"),
         record(session, frames[2]),
     ]
     (session.root / records[2].file).unlink()
-    left = Missing(session, plan, records).of_shot(shot)
+    left = Missing(session, session.chain(), records).of_shot(shot)
     assert [(frame.exposure_s, frame.attempt) for frame in left] == [
         (frames[1].exposure_s, 2),
         (frames[2].exposure_s, 2),
@@ -74,12 +74,12 @@ def test_what_verifies_is_kept_and_the_rest_taken_again(session, plan):
 
 def test_a_retaken_frame_counts(session, plan):
     shot = plan.shots[1]
-    first = Missing(session, plan, []).of_shot(shot)[0]
+    first = Missing(session, session.chain(), []).of_shot(shot)[0]
     bad = record(session, first, content=b"other")
-    again = Missing(session, plan, [bad]).of_shot(shot)[0]
+    again = Missing(session, session.chain(), [bad]).of_shot(shot)[0]
     assert again.name != first.name
     good = record(session, again)
-    assert len(Missing(session, plan, [bad, good]).of_shot(shot)) == 3
+    assert len(Missing(session, session.chain(), [bad, good]).of_shot(shot)) == 3
 
 
 def test_a_plan_out_of_reach_is_refused_by_axis(plan):
@@ -99,7 +99,7 @@ def test_a_disk_too_small_is_refused_before_anything_moves(tmp_path, monkeypatch
 
 def test_journal_and_frames_survive_reopening(session, plan):
     with session.journal(writing=True) as journal:
-        frame = record(session, Missing(session, plan, []).of_shot(plan.shots[0])[0])
+        frame = record(session, Missing(session, session.chain(), []).of_shot(plan.shots[0])[0])
         journal.append_frame(VirtualClock(3.0), frame)
     with session.journal() as journal:
         assert journal.frames() == [frame]

@@ -124,6 +124,15 @@ def test_a_hostile_name_is_only_a_name(page):
     assert told.text.count(HOSTILE) == 4
 
 
+def test_what_an_omission_spares_is_told(page):
+    plan = make_plan(RIG, views=2, lights=2)
+    left = LeftOut(reason="not asked for", shots=7, spared_shots=5, spared_min=3.0,
+                   error_inside=0.001, error_outside=0.25)  # fmt: skip
+    told = page(plan.model_copy(update={"left_out": (left,)}))
+    assert "spares 5 shots, 3 min" in told.text
+    assert "+0.0010 in what counts, +0.2500 elsewhere" in told.text
+
+
 def test_one_plan_gives_the_same_bytes(tmp_path):
     plan = make_plan(RIG, views=3, lights=3)
     for name in ("a", "b"):

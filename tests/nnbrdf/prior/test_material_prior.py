@@ -6,7 +6,9 @@ import pytest
 from gonio.cli import main
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
+from gonio.report.provenance import hashes
 from gonio.samples import Samples
+from nnbrdf.load import load_model
 from nnbrdf.posterior_model import PriorEstimator
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
@@ -177,7 +179,7 @@ def test_what_is_expected_is_what_the_examples_are_like():
     assert mean == pytest.approx(0.8 * drawn[0].mean(1) + 0.2 * drawn[1].mean(1), abs=1e-9)
     both = np.concatenate([*[drawn[0]] * 4, drawn[1]], axis=1)
     # scales count as independent of shapes, which is less sure in highlights
-    assert np.median(deviation / both.std(1)) == pytest.approx(1.0, abs=0.1)
+    assert np.median(deviation / both.std(1)) == pytest.approx(1.0, abs=0.15)
     assert (deviation > 0.9 * both.std(1)).all()
 
 
@@ -188,3 +190,37 @@ def test_the_interval_of_what_is_expected_holds_materials_of_another_draw():
     log = np.log(other.evaluate(Pairs.of(light, view)).clip(1e-9))
     within = np.abs(log - mean[:, None]) < 1.645 * deviation[:, None]
     assert 0.85 < within.mean() < 0.98
+
+
+def test_the_hash_is_of_what_a_prior_says_not_of_its_file(family, tmp_path):
+    learned = PRIOR.learn([family[0][0].as_example()])
+    learned.save(tmp_path / "one.npz")
+    np.savez(tmp_path / "other.npz", **np.load(tmp_path / "one.npz"))
+    assert (tmp_path / "one.npz").read_bytes() != (tmp_path / "other.npz").read_bytes()
+    again = [MaterialPrior.load(tmp_path / name).sha256 for name in ("one.npz", "other.npz")]
+    assert again == [learned.sha256] * 2
+    others = [PRIOR, MaterialPrior.generate(examples=150, seed=1), learned]
+    assert len({prior.sha256 for prior in others}) == 3
+
+
+@pytest.mark.parametrize("estimator", [PriorEstimator, TaughtEstimator])
+def test_a_model_names_its_prior_and_says_what_that_holds(family, tmp_path, estimator):
+    learned = PRIOR.learn([family[0][0].as_example()])
+    steps = {"steps": 300} if estimator is TaughtEstimator else {}
+    model = estimator(prior=learned, **steps).fit(samples_of(family[1], 20, 5))
+    model.save(tmp_path)
+    told = load_model(tmp_path).card
+    assert told.prior.model_dump() == {
+        "sha256": learned.sha256, "generated": 300, "measured": 1,
+    }  # fmt: skip
+    assert "under 300 generated and 1 measured materials" in " ".join(told.sentences())
+    assert (f"prior ({told.prior})", learned.sha256) in hashes(
+        tmp_path, samples_of(family[1], 8, 5), None
+    )
+
+
+def test_a_posterior_beside_another_prior_is_refused(family, tmp_path):
+    PriorEstimator(prior=PRIOR).fit(samples_of(family[1], 20, 5)).save(tmp_path)
+    MaterialPrior.generate(examples=150, seed=1).save(tmp_path / "prior.npz")
+    with pytest.raises(BadFileError, match=r"prior\.npz: is another prior"):
+        load_model(tmp_path)
