@@ -22,6 +22,7 @@ from nnbrdf.prior.stored import (
     families_from,
     learned_arrays,
     learned_from,
+    origin_arrays,
 )
 from nnbrdf.prior.used import PriorUsed
 
@@ -120,11 +121,12 @@ class MaterialPrior:
         return PriorUsed(sha256=self.sha256, generated=generated, measured=len(self.learned))
 
     def save(self, path: Path) -> None:
-        """Write the examples' parameters and weights as npz, without pickles."""
+        """Write the examples' parameters and weights as npz, without pickles, and their origin."""
 
         def write(aside: Path) -> None:
             with aside.open("wb") as file:
                 arrays: dict[str, Any] = {"schema": np.array(SCHEMA), **self._arrays}
+                arrays |= origin_arrays(self.learned)
                 np.savez_compressed(file, **arrays)
 
         write_with(path, write)

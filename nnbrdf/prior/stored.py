@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     Arrays = Mapping[str, NDArray[Any]]
 
 _EXAMPLES = ("isotropic", "anisotropic")
+_ORIGIN = ("source", "sha256")
 _FEWEST = 10
 LARGEST = 1e6
 """Of tints: they only say how channels differ."""
@@ -60,6 +61,15 @@ def learned_arrays(materials: Iterable[LearnedMaterial]) -> dict[str, NDArray[An
             f"{prefix}.tint": each.tint,
         }
     return arrays
+
+
+def origin_arrays(materials: Iterable[LearnedMaterial]) -> dict[str, NDArray[Any]]:
+    """Return which models measured materials are of, by name; no part of what a prior says."""
+    return {
+        f"learned.{index}.{name}": np.array(getattr(each, name))
+        for index, each in enumerate(materials)
+        for name in _ORIGIN
+    }
 
 
 def digest_of(arrays: Arrays) -> str:
@@ -110,7 +120,8 @@ def _learned(arrays: Arrays, prefix: str) -> LearnedMaterial:
         raise ValueError(f"{prefix}.tint is not a positive number for each output")
     if not _is_plausible(network, encoding):
         raise ValueError(f"{prefix} is no material: its values are beyond all bounds")
-    return LearnedMaterial(network, encoding, tint)
+    origin = [str(arrays.get(f"{prefix}.{name}", "")) for name in _ORIGIN]
+    return LearnedMaterial(network, encoding, tint, *origin)
 
 
 def _is_plausible(network: Networks, encoding: str) -> bool:

@@ -1,4 +1,6 @@
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,6 +8,7 @@ import pytest
 from gonio.cli import main
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
+from gonio.files import sha256_file
 from gonio.report.provenance import hashes
 from gonio.samples import Samples
 from nnbrdf.load import load_model
@@ -224,6 +227,26 @@ def test_a_posterior_beside_another_prior_is_refused(family, tmp_path):
     MaterialPrior.generate(examples=150, seed=1).save(tmp_path / "prior.npz")
     with pytest.raises(BadFileError, match=r"prior\.npz: is another prior"):
         load_model(tmp_path)
+
+
+def test_a_model_counts_once_by_whatever_name(family, tmp_path, monkeypatch, capsys):
+    for index, model in enumerate(family[0][:2]):
+        model.save(tmp_path / "archive" / f"session{index}" / "model")
+    shutil.copytree(tmp_path / "archive/session0", tmp_path / "archive/copy")
+    (tmp_path / "link").symlink_to(tmp_path / "archive/session1")
+    monkeypatch.chdir(tmp_path / "archive")
+    folders = (tmp_path / "archive", ".", "session1", "../link")
+    assert run(monkeypatch, "prior", "build", *folders, "-o", tmp_path / "ours.npz") == 0
+    said = capsys.readouterr()
+    assert "isotropic: 2000 generated, 2 measured" in said.out
+    skipped = [line for line in said.err.splitlines() if " is the same as " in line]
+    assert len(skipped) == 5
+    assert "skipped: copy/model is the same as" in said.err
+    learned = MaterialPrior.load(tmp_path / "ours.npz").learned
+    assert {each.sha256 for each in learned} == {
+        sha256_file(Path(each.source) / "weights.safetensors") for each in learned
+    }
+    assert len({each.sha256 for each in learned}) == 2
 
 
 def scaled(name, factor):
