@@ -5,7 +5,7 @@ STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/* planner/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out expected scenes docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out bad-capture twin expected scenes docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -48,6 +48,12 @@ left-out: setup  ## what leaving out saves and costs, on a folder of measured ta
 
 few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)
+
+bad-capture: setup  ## what noise, faults and gaps cost, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_bad_capture.py $(MATERIALS)
+
+twin: setup      ## the noisy twin against noise-free values, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_twin.py $(MATERIALS)
 
 designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)
