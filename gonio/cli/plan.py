@@ -223,6 +223,7 @@ def command(
             bracket,
             criterion=criterion,
             demand=cosine_demand if weight == "cosine" else None,
+            max_theta_deg=max_theta_deg,
             view_candidates=candidates_named(view_candidates or candidates),
             light_candidates=candidates_named(light_candidates or candidates),
         )

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 import numpy as np
@@ -28,6 +28,9 @@ from nnbrdf.prior.ground import Grounds
 from nnbrdf.prior.infer import infer
 from planner.field import paper_field
 from planner.optimal import IOptimal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 FOUR = ("rgl_paper_white", "rgl_satin_rosaline", "flow_aniso_green_pvc", "ubo2014_felt05")
 FIRST, BATCH, MOST = 32, 16, 192
@@ -66,9 +69,9 @@ def main() -> None:
         draw(curves, options.plot)
 
 
-def chosen(prior: MaterialPrior | ConditionedPrior, count: int, before: Rows = ()) -> Rows:
+def chosen(prior: MaterialPrior | ConditionedPrior, count: int, before: Sequence[int] = ()) -> Rows:
     allowed = np.ones((81, 81), bool)
-    allowed.flat[before] = False
+    allowed.flat[list(before)] = False
     field = replace(FIELD, allowed=allowed & allowed.T)
     return np.flatnonzero(IOptimal(lambda: prior).pairs(field, count).measured)
 

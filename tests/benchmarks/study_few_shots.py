@@ -5,8 +5,8 @@
 For each table in FOLDER (npz, 81 x 81): eps8 / male of the paper's network trained on all
 6561 pairs (five seeds, median), and of estimator `nn` at 196 free pairs, 14 x 14 and 64 free pairs,
 all chosen by i-optimal before anything of the material is known; then how many times the network's
-error, the floor that no reciprocal model passes, how many times that floor, and how much of the truth the 5 to 95 % bands of
-the three hold. Noise-free values, sigma 0.3 %.
+error, the floor that no reciprocal model passes, how many times that floor, and how much of the
+truth the 5 to 95 % bands of the three hold. Noise-free values, sigma 0.3 %.
 """
 
 from __future__ import annotations
