@@ -222,7 +222,7 @@ def _left_out(
     reasons = {
         "beyond the travel of an axis": ~reach,
         **omitted,
-        "not chosen at this density": reach & ~chosen & ~np.any([*omitted.values()], axis=0),
+        "not chosen": reach & ~chosen & ~np.any([*omitted.values()], axis=0),
         separation: chosen & ~measured,
     }
     counts = {reason: int(pairs.sum()) for reason, pairs in reasons.items()}
