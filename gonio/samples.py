@@ -23,6 +23,9 @@ WHITE_PER_MEDIAN = 4.0
 LARGEST = 1e12
 """Of values and sigmas, in 1/sr: far beyond any mirror, and its square overflows no model."""
 
+SMALLEST_WHITE = 1e-30
+"""In 1/sr: far below any black; grids of models are single precision, which ends at 1e-38."""
+
 
 class Flag(IntFlag):
     """What is to be known about a value, as bits."""
@@ -124,7 +127,7 @@ class Samples:
         Raises
         ------
         BadInputError
-            When there is no sample, or the median is not positive.
+            When there is no sample, or the median is not positive or below all that is black.
         """
         if not len(self):
             raise BadInputError("there are no samples; capture and reduce at least one shot")
@@ -133,6 +136,11 @@ class Samples:
             raise BadInputError(
                 f"the samples' median is {white / WHITE_PER_MEDIAN:g} 1/sr, so they have no scale; "
                 "check exposures, the dark frames and the white reference"
+            )
+        if white < SMALLEST_WHITE:
+            raise BadInputError(
+                f"the samples' median is {white / WHITE_PER_MEDIAN:g} 1/sr, darker than anything; "
+                "check their unit"
             )
         return white
 

@@ -14,7 +14,7 @@ from gonio.directions import from_degrees
 from gonio.errors import BadFileError
 from gonio.files import sha256_file
 from gonio.samples import LARGEST, RGB, Flag, Samples
-from gonio.validation import read_text
+from gonio.validation import plain_float, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -183,7 +183,7 @@ def _is_decimal_comma(text: str) -> bool:
 
 def _number(text: str) -> float:
     try:
-        value = float(text)
+        value = plain_float(text)
     except ValueError:
         hint = _DECIMAL_COMMA if _is_decimal_comma(text) else ""
         raise ValueError(f"{text!r} is not a number{hint}" if text else "is empty") from None

@@ -102,3 +102,16 @@ def describe(error: ValidationError) -> str:
     }
     text = f"{field}: {known.get(first['type'], message)}"
     return text + (f" (and {len(others)} more)" if others else "")
+
+
+def plain_float(text: str) -> float:
+    """Return the number that a cell of a table holds, in digits as other programs write them.
+
+    Raises
+    ------
+    ValueError
+        Where it is none; `1_0` is Python for ten, and elsewhere a slip.
+    """
+    if "_" in text:
+        raise ValueError(f"could not convert string to float: {text!r}")
+    return float(text)

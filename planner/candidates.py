@@ -12,7 +12,7 @@ import numpy as np
 
 from gonio.directions import from_degrees, paper_angles_deg, ring_angles_deg
 from gonio.errors import BadFileError, BadInputError
-from gonio.validation import read_text
+from gonio.validation import plain_float, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -142,7 +142,7 @@ def _read(path: Path) -> Candidates:
 
 def _angles(path: Path, line: int, row: list[str], columns: list[int]) -> tuple[float, float]:
     try:
-        theta, phi = (float(row[column]) for column in columns)
+        theta, phi = (plain_float(row[column]) for column in columns)
     except (ValueError, IndexError):
         raise BadFileError(
             path, f"line {line}: {','.join(row)!r} are no two angles", _REMEDY

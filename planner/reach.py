@@ -71,7 +71,7 @@ class Reach:
         masks = {
             **self.alone,
             **omitted,
-            "not chosen at this density": ~before & ~chosen,
+            "not chosen": ~before & ~chosen,
             **{reason: mask & chosen for reason, mask in self.together.items()},
         }
         counts = {reason: int(mask.sum()) for reason, mask in masks.items()}

@@ -129,13 +129,18 @@ def _material(estimate: Model, truth: MeasuredTable | None) -> Iterator[Drawing]
 
 
 def _planes(estimate: Model, truth: MeasuredTable | None, samples: Samples) -> Iterator[Drawing]:
-    known = "" if truth is None else " dashed: truth,"
+    known = "" if truth is None else ", dashed: truth"
     for azimuth_deg, title in _PLANES:
+        dots = (
+            ", dots: samples within 3°"
+            if slices.has_samples(azimuth_deg, samples)
+            else "; no sample is within 3° of it"
+        )
         yield _drawing(
             title,
             slices.draw_slice(azimuth_deg, estimate, truth, samples),
-            f"Plane of incidence at φ = {azimuth_deg:g}°. Line: model with its 5 to 95 % band,"
-            f"{known} dots: samples within 3°.",
+            f"Plane of incidence at φ = {azimuth_deg:g}°. Line: model with its 5 to 95 % band"
+            f"{known}{dots}.",
         )
 
 

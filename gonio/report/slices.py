@@ -58,6 +58,12 @@ def draw_slice(
     return figure
 
 
+def has_samples(azimuth_deg: float, samples: Samples) -> bool:
+    """Tell whether `draw_slice` has samples to draw."""
+    lights = (_in_plane(-theta_deg, azimuth_deg) for theta_deg in INCIDENCES_DEG)
+    return any(_near(samples, light, azimuth_deg).any() for light in lights)
+
+
 def _in_plane(angle_deg: float | NDArray[np.float64], azimuth_deg: float) -> NDArray[np.float64]:
     return from_spherical(np.radians(angle_deg), np.radians(azimuth_deg))
 
@@ -81,9 +87,15 @@ def _draw_estimate(
 def _draw_samples(
     axes: Axes, samples: Samples, light: NDArray[np.float64], azimuth_deg: float, color: str
 ) -> None:
-    along, across = (_in_plane(90.0, azimuth_deg + turn) for turn in (0.0, 90.0))
-    near = np.linalg.norm(samples.light - light, axis=1) < np.radians(_NEAR_DEG)
-    near &= np.abs(samples.view @ across) < np.sin(np.radians(_NEAR_DEG))
+    near, along = _near(samples, light, azimuth_deg), _in_plane(90.0, azimuth_deg)
     view = samples.view[near]
     angle_deg = np.degrees(np.arctan2(view @ along, view[:, 2]))
     axes.plot(angle_deg, _mean(samples.value[near], samples.white), "o", color=color, markersize=3)
+
+
+def _near(samples: Samples, light: NDArray[np.float64], azimuth_deg: float) -> NDArray[np.bool_]:
+    """Tell which samples have that light and a view in the plane, shape (n,)."""
+    across = _in_plane(90.0, azimuth_deg + 90.0)
+    near = np.linalg.norm(samples.light - light, axis=1) < np.radians(_NEAR_DEG)
+    in_plane = np.abs(samples.view @ across) < np.sin(np.radians(_NEAR_DEG))
+    return np.asarray(near & in_plane)

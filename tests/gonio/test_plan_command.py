@@ -131,3 +131,9 @@ def test_a_plan_names_the_prior_that_it_was_made_with(gonio, tmp_path):
     assert "all pairs are measured, so the prior had no say" in every.stdout
     assert Plan.load(tmp_path / "plan.json").selection.prior_sha256 is None
     assert "prior_sha256" not in (tmp_path / "plan.json").read_text()
+
+
+def test_free_pairs_are_not_said_to_be_of_a_density(gonio, tmp_path):
+    said = gonio("plan", "--candidates", "rings:0x1,30x4", "--no-page", "--shots", "8")
+    assert "17 not chosen" in " ".join(said.stdout.split())
+    assert "density" not in said.stdout + (tmp_path / "plan.json").read_text()

@@ -72,6 +72,30 @@ CASES = [
     ),
     ("empty table", {"table.csv": ""}, FROM_TABLE, 2, "table.csv"),
     ("too few samples", {"table.csv": TABLE + ROW}, FROM_TABLE, 2, "there is 1 sample;"),
+    *(
+        (
+            f"values of no unit, {estimator}",
+            {"table.csv": TABLE + 12 * "10,0,20,30,1e-301,2e-301,3e-301\n"},
+            (*FROM_TABLE, "--estimator", estimator),
+            2,
+            "median is 2e-301 1/sr, darker than anything",
+        )
+        for estimator in ("nn", "prior", "analytic", "paper")
+    ),
+    (
+        "underscores in a number",
+        {"table.csv": TABLE + ROW.replace("20", "2_0")},
+        FROM_TABLE,
+        2,
+        "'2_0' is not a number",
+    ),
+    (
+        "underscores in a direction",
+        {"set.csv": "theta_deg,phi_deg\n1_0,0\n"},
+        ("plan", "--candidates", "set.csv"),
+        2,
+        "line 2: '1_0,0' are no two angles",
+    ),
     (
         "too few to compare",
         {"table.csv": TABLE + ROW},

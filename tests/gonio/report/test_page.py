@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from gonio.directions import from_degrees
 from gonio.errors import BadFileError, StorageError
 from gonio.materials import MeasuredTable
 from gonio.report import write_report
@@ -157,3 +158,15 @@ def test_a_folder_without_a_model_is_named(measure):
     with pytest.raises(BadFileError, match="is not a model"):
         write_report(session.report_path, model=session.raw, samples=samples)
     assert not session.report_path.exists()
+
+
+def test_dots_are_promised_where_they_are_drawn(report, measure):
+    measured = measure(truth=False)
+    inside, outside = (from_degrees([30.0] * 8, [azimuth] * 8) for azimuth in (180.0, 45.0))
+    for light, dots in ((inside, True), (outside, False)):
+        view = from_degrees(np.linspace(0, 70, 8), [0.0] * 8)
+        moved = Samples.from_values(light, view, np.full((8, 3), 0.1))
+        page, _ = report(measured._replace(samples=moved))
+        along = next(line for line in page.lines if line.startswith("Plane of incidence at φ = 0"))
+        assert ("dots: samples within 3°" in along) == dots
+        assert ("no sample is within 3° of it" in along) != dots
