@@ -58,6 +58,18 @@ def test_a_line_of_shots_meets_its_bound():
     assert nearest_bound_s(metric) == pytest.approx(best_s)
 
 
+def test_a_poor_route_makes_no_bound_too_high():
+    """Two heaps of shots: which moves join them at best is told by neither neighbours nor route."""
+    phi = np.append(np.linspace(10, 40, 12), np.linspace(190, 220, 12))
+    angles_deg = np.stack([np.full(24, 75.0), phi, np.full(24, 15.0), np.zeros(24)], axis=1)
+    metric = TimeMetric.of(angles_deg, rig_of())
+    best_s = metric.total(np.arange(24))
+    # from the outer end of one heap to the outer end of the other
+    poor = np.append(np.arange(12)[::-1], np.arange(12, 24)[::-1])
+    assert metric.total(poor) > best_s + 1.0
+    assert best_s - 1e-3 < tree_bound_s(metric, poor) <= best_s + 1e-9
+
+
 def test_the_tree_is_nearer_than_the_rest_where_times_have_no_direction():
     angles_deg = np.random.default_rng(1).uniform(1, 75, (80, 4))
     metric = TimeMetric.of(angles_deg, RIG)
