@@ -5,7 +5,8 @@ STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
 KERNEL := setup.py $(wildcard nnbrdf/kernel/* planner/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration designs few-shots left-out expected scenes docs format clean
+.PHONY: help setup demo test bench bench-evaluate calibration designs adaptive few-shots left-out \
+	bad-capture twin expected scenes docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -46,8 +47,17 @@ calibration: setup  ## does the band hold nine of ten, over 1000 materials (6 mi
 left-out: setup  ## what leaving out saves and costs, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_left_out.py $(MATERIALS)
 
+adaptive: setup ## error against shots, in rounds and fixed, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_adaptive.py $(MATERIALS)
+
 few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)
+
+bad-capture: setup  ## what noise, faults and gaps cost, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_bad_capture.py $(MATERIALS)
+
+twin: setup      ## the noisy twin against noise-free values, on a folder of measured tables: MATERIALS=folder
+	$(BIN)/python tests/benchmarks/study_twin.py $(MATERIALS)
 
 designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
+import shutil
 from typing import TYPE_CHECKING, Any
 
 from gonio.errors import StorageError
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _BLOCK = 1 << 20
+_ROOM_BYTES = 1 << 24
 
 
 def canonical_json(value: Any) -> bytes:
@@ -108,3 +111,48 @@ def move_into(source: Path, target: Path) -> None:
             sync_file(folder)
     except OSError as error:
         raise StorageError.from_os(target, error) from error
+
+
+def check_room(folder: Path) -> None:
+    """Refuse, before any work is done, a folder in which nothing could be kept.
+
+    Parameters
+    ----------
+    folder
+        May be missing; then what it would be made in counts. 16 MB must be free.
+
+    Raises
+    ------
+    StorageError
+        Saying what is in the way.
+    """
+    try:
+        nearest = folder.absolute()
+        while not nearest.exists():
+            nearest = nearest.parent
+        if not nearest.is_dir():
+            raise _refusal(errno.ENOTDIR)
+        if not os.access(nearest, os.W_OK | os.X_OK):
+            raise _refusal(errno.EACCES)
+        if shutil.disk_usage(nearest).free < _ROOM_BYTES:
+            raise _refusal(errno.ENOSPC)
+    except OSError as error:
+        raise StorageError.from_os(folder, error) from error
+
+
+def remove_file(path: Path) -> None:
+    """Remove a file, if it is there.
+
+    Raises
+    ------
+    StorageError
+        When the operating system refuses.
+    """
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise StorageError.from_os(path, error) from error
+
+
+def _refusal(code: int) -> OSError:
+    return OSError(code, os.strerror(code))

@@ -101,8 +101,8 @@ class Selection(Document):
     reciprocal_pairs: int = Field(ge=0)
     variance_left: float | None = Field(default=None, ge=0)
     variance_bound: float | None = Field(default=None, ge=0)
-    deviation_before: float | None = Field(default=None, ge=0)
-    deviation_after: float | None = Field(default=None, ge=0)
+    deviation_before: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
+    deviation_after: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
     prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pydantic import Field
 
@@ -10,6 +10,10 @@ from gonio.validation import Document
 
 if TYPE_CHECKING:
     from nnbrdf.prior.infer import Inference
+
+
+CLEAR: Final = 3.0
+"""Logarithm of odds, 20 to 1, below which samples do not decide."""
 
 
 class Findings(Document):
@@ -73,7 +77,19 @@ class Findings(Document):
     def _azimuths(self) -> str:
         if self.isotropic_log_odds is None:
             return "isotropy was not examined"
-        odds = f"log odds {abs(self.isotropic_log_odds):.0f}"
+        kind = "isotropic" if self.isotropic else "anisotropic"
+        for_it = self.isotropic_log_odds if self.isotropic else -self.isotropic_log_odds
+        odds = f"log odds {abs(for_it):.0f}"
+        if abs(for_it) < CLEAR:
+            return (
+                "the samples do not tell whether only the difference of the azimuths counts "
+                f"(log odds {abs(for_it):.1f}); assumed: {kind}, by the likeliest setting"
+            )
+        if for_it < 0:
+            return (
+                f"{kind} by the likeliest setting, though all settings together speak against it "
+                f"({odds})"
+            )
         if self.isotropic:
             return f"isotropic: only the difference of the azimuths counts ({odds})"
         return f"anisotropic ({odds} against isotropic)"

@@ -92,7 +92,8 @@ def pairs_within(
     """
     alone = np.where(allowed, _gains(kinds, measure), -np.inf)
     best = terms.price([int(np.argmax(alone))])
-    if best.total_s > seconds:
+    # so that a time that is no number is too short, too
+    if not best.total_s <= seconds:
         return None
     for _ in range(_ROUNDS):
         for kind in kinds:

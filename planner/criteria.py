@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Prior
+    from planner.budget import Terms
     from planner.field import Field
 
 
@@ -45,6 +46,15 @@ class Criterion(Protocol):
 
     def pairs(self, field: Field, count: int) -> Choice:
         """Choose `count` of the allowed pairs, of which there are at least as many."""
+
+    def within(self, field: Field, seconds: float, terms: Terms) -> Choice:
+        """Choose allowed pairs that can be captured in a time.
+
+        Raises
+        ------
+        BadInputError
+            When the time is too short, or the criterion cannot tell what a pair is worth.
+        """
 
 
 CRITERIA = ("i-optimal", "d-optimal", "energy", "farthest", "random")

@@ -5,24 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gonio.errors import BadInputError
-from gonio.plan import LampSetting, Plan, RouteTime, Selection, Shot
+from gonio.plan import Plan, RouteTime, Selection
 from gonio.timemodel import estimate
 from gonio.timing import default_timing
 from planner.candidates import paper_candidates
 from planner.criteria import criterion_named
 from planner.density import count_of
-from planner.exposures import with_predicted_exposures
 from planner.field import Field
 from planner.reach import reach_of
-from planner.route import plan_route
-from planner.ways import seconds_of_ways
+from planner.shots import ShotMaker
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from gonio.protocols import Prior
@@ -30,12 +27,9 @@ if TYPE_CHECKING:
     from gonio.timing import Timing
     from planner.candidates import Candidates
     from planner.density import Density
-    from planner.route import Route
 
     Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
     Omission = Callable[[Field], NDArray[np.bool_]]
-
-FULL_CURRENT_MA = 700.0
 
 
 def make_plan(
@@ -45,6 +39,7 @@ def make_plan(
     lights: Density = "sixth",
     criterion: str = "farthest",
     shots: int | None = None,
+    hours: float | None = None,
     prior: Callable[[], Prior] | None = None,
     view_candidates: Candidates | None = None,
     light_candidates: Candidates | None = None,
@@ -69,6 +64,8 @@ def make_plan(
         How directions are chosen, by name (see `planner.criteria`).
     shots
         Choose so many pairs freely, rather than all pairs of some views and lights.
+    hours
+        Choose the pairs that tell most in so many hours of rig time, each for what it costs.
     prior
         Makes what is believed of the material, for criteria that ask, and for predicted exposures.
     view_candidates, light_candidates
@@ -99,7 +96,11 @@ def make_plan(
     reach = reach_of(light_set, view_set, rig, max_theta_deg)
     counts = None if demand is None else demand(light_set, view_set)
     field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
-    if shots is not None:
+    timing = timing or default_timing(rig)
+    maker = ShotMaker(field, rig, timing, _exposing(prior, bracket))
+    if hours is not None:
+        choice = judge.within(field, 3600 * hours, maker.terms())
+    elif shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
         choice = judge.product(
@@ -113,12 +114,7 @@ def make_plan(
             f"all {choice.measured.sum()} chosen pairs are {', '.join(reach.together)}; correct "
             "that in the rig file, or take more directions"
         )
-    timing = timing or default_timing(rig)
-    ordered, route = _in_order(field, measured, rig, timing)
-    if bracket == "predicted":
-        if prior is None:
-            raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
-        ordered = with_predicted_exposures(ordered, prior(), rig, timing)
+    ordered, route = maker.ordered(measured)
     selection = Selection(
         criterion=criterion,
         candidates=_set_names(light_set, view_set),
@@ -180,39 +176,15 @@ def _without(
     return field, omitted
 
 
+def _exposing(prior: Callable[[], Prior] | None, bracket: str) -> Prior | None:
+    if bracket != "predicted":
+        return None
+    if prior is None:
+        raise BadInputError("predicted exposures need a prior; use bracket all, or pass one")
+    return prior()
+
+
 def _checked_shots(shots: int, most: int) -> int:
     if not 1 <= shots <= most:
         raise BadInputError(f"shots is {shots}; give 1 to {most}, all pairs that the rig can take")
     return shots
-
-
-def _in_order(
-    field: Field, measured: NDArray[np.bool_], rig: Rig, timing: Timing
-) -> tuple[tuple[Shot, ...], Route]:
-    """Return the shots of `measured`, indexed [light, view], in route order, and their route."""
-    light, view = np.nonzero(measured)
-    sides = (field.views, view), (field.lights, light)
-    angles_deg = np.stack(
-        [angle[rows] for each, rows in sides for angle in (each.theta_deg, each.phi_deg)], axis=1
-    )
-    route = plan_route(angles_deg, rig, timing, way_s=seconds_of_ways(rig, timing))
-    lamps = tuple(LampSetting(n=lamp.n, mA=FULL_CURRENT_MA) for lamp in rig.lamps.lamp)
-    columns = {
-        "view_theta_deg": angles_deg[route.order, 0],
-        "light_theta_deg": angles_deg[route.order, 2],
-        "view_phi_deg": route.phi_deg[:, 0],
-        "light_phi_deg": route.phi_deg[:, 1],
-        "view_turn": route.turns[:, 0],
-        "light_turn": route.turns[:, 1],
-    }
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    shots = (
-        Shot(
-            index=index,
-            exposures_s=rig.camera.exposures_s,
-            lamps=lamps,
-            **dict(zip(columns, row, strict=True)),
-        )
-        for index, row in enumerate(rows)
-    )
-    return tuple(shots), route

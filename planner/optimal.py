@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.errors import BadInputError
 from planner.bound import MOST_PAIRS, least_left
+from planner.budget import pairs_within
 from planner.criteria import Choice
 from planner.information import Unknown
 from planner.pairing import product_of
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Prior
+    from planner.budget import Terms
     from planner.field import Field
 
 RANK = 150
@@ -62,6 +65,19 @@ class _Optimal:
         chosen = best_pairs(kinds, field.allowed.ravel(), count, self._measure)
         measured = np.zeros_like(field.allowed)
         measured.flat[_either_way(chosen, classes_of(kinds), field.allowed.ravel())] = True
+        return _judged(field, kinds, measured)
+
+    def within(self, field: Field, seconds: float, terms: Terms) -> Choice:
+        """Choose pairs by what they tell per second (see `planner.budget`)."""
+        kinds = unknown_of(field, self._prior())
+        priced = pairs_within(kinds, field.allowed.ravel(), seconds, terms, self._measure)
+        if priced is None:
+            raise BadInputError(
+                f"a capture of one shot takes more than {seconds / 3600:g} h, calibration and all; "
+                "give more --hours"
+            )
+        measured = np.zeros_like(field.allowed)
+        measured.flat[priced.order] = True
         return _judged(field, kinds, measured)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.errors import BadInputError
 from planner.criteria import Choice
 from planner.pairing import may_join, product_of
 from planner.subset import angles_between, farthest_from, farthest_points, least_energy
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from planner.budget import Terms
     from planner.field import Field
     from planner.pairing import Chosen
     from planner.subset import MayJoin
@@ -24,7 +26,18 @@ if TYPE_CHECKING:
 _CLOSE = 1e-2
 
 
-class RandomChoice:
+class _Blind:
+    """What knows nothing of materials cannot say what a pair is worth."""
+
+    def within(self, field: Field, seconds: float, terms: Terms) -> Choice:
+        """Refuse: only a prior tells what a second is worth."""
+        raise BadInputError(
+            "--hours weighs what a pair tells against its time, which only a prior knows; use "
+            "criterion i-optimal or d-optimal"
+        )
+
+
+class RandomChoice(_Blind):
     """Directions or pairs drawn at random, all alike: what any criterion has to beat.
 
     Parameters
@@ -52,7 +65,7 @@ class RandomChoice:
         return Choice(_some(field, rng.choice(np.flatnonzero(field.allowed), count, replace=False)))
 
 
-class FarthestPoint:
+class FarthestPoint(_Blind):
     """Each direction, or pair, as far as can be from those before it.
 
     Lights start at the first candidate. The views start at the candidate farthest from the chosen
@@ -74,7 +87,7 @@ class FarthestPoint:
         return Choice(_spread_pairs(field, count, np.minimum, np.inf))
 
 
-class LeastEnergy:
+class LeastEnergy(_Blind):
     """Directions, or pairs, that repel each other: least Riesz energy, grown and exchanged.
 
     The energy is the sum of distance^-s over all two, with s = 3 for directions and 5 for pairs,

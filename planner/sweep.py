@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,8 @@ from planner.locate import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
+
+    from numpy.typing import NDArray
 
     from gonio.plan import Plan
     from gonio.protocols import Progress
@@ -62,7 +66,7 @@ class Outcome:
     error
         Expected standard deviation of ln(BRDF), see `planner.expected`.
     planning_s
-        What choosing and ordering took of the computer, the prior's factor not counted.
+        What choosing and ordering took of one core, the prior's factor not counted.
     """
 
     design: Design
@@ -104,6 +108,7 @@ def run_sweep(
     field: Field,
     judge: ExpectedError,
     progress: Progress,
+    workers: int = 1,
 ) -> Sweep:
     """Make a plan of each design and say what it costs and gives.
 
@@ -115,6 +120,8 @@ def run_sweep(
         The candidates that the plans choose from.
     judge
         Of the same field.
+    workers
+        How many plans are made side by side, by threads.
 
     Raises
     ------
@@ -122,26 +129,32 @@ def run_sweep(
         When there is no plan of any design.
     """
     outcomes, refused = [], []
-    for number, design in enumerate(designs):
-        progress(number, len(designs))
-        try:
-            outcomes.append(_outcome(design, plan_of, field, judge))
-        except BadInputError as error:
-            refused.append((design, str(error)))
-    progress(len(designs), len(designs))
+    with ThreadPoolExecutor(workers) as pool:
+        made = pool.map(partial(_plan, plan_of), designs)
+        for number, (design, (plan, planning_s)) in enumerate(zip(designs, made, strict=True), 1):
+            if isinstance(plan, BadInputError):
+                refused.append((design, str(plan)))
+            else:
+                error = judge.after(_measured(plan, field))
+                shots, seconds = len(plan.shots), plan.estimates.total_s
+                outcomes.append(Outcome(design, shots, seconds, error, planning_s))
+            progress(number, len(designs))
     if not outcomes:
         raise BadInputError(refused[0][1])
     return Sweep(tuple(outcomes), tuple(refused))
 
 
-def _outcome(
-    design: Design, plan_of: Callable[..., Plan], field: Field, judge: ExpectedError
-) -> Outcome:
-    began = time.perf_counter()
-    plan = plan_of(**design.settings)
-    planning_s = time.perf_counter() - began
+def _plan(plan_of: Callable[..., Plan], design: Design) -> tuple[Plan | BadInputError, float]:
+    """Return the plan of a design, or why there is none, and the processor's seconds it took."""
+    # of this thread alone: what runs beside it does not count
+    began = time.thread_time()
+    try:
+        plan: Plan | BadInputError = plan_of(**design.settings)
+    except BadInputError as error:
+        plan = error
+    return plan, time.thread_time() - began
+
+
+def _measured(plan: Plan, field: Field) -> NDArray[np.int64]:
     rows = rows_of(plan, "light", field.lights), rows_of(plan, "view", field.views)
-    measured = np.ravel_multi_index(rows, field.allowed.shape)
-    return Outcome(
-        design, len(plan.shots), plan.estimates.total_s, judge.after(measured), planning_s
-    )
+    return np.asarray(np.ravel_multi_index(rows, field.allowed.shape))

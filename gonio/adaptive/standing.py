@@ -60,7 +60,7 @@ class Watch:
         )
         sites = Pairs.of(light, view)
         belief = ConditionedPrior.of(self._prior.families, inference, sites, self._grounds)
-        return Standing(self._session, chain, samples, belief)
+        return Standing(self._session, chain, samples, belief, self._prior.sha256)
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,15 @@ class Standing:
         What was measured.
     belief
         What is unknown once shots that are on their way are taken.
+    prior_sha256
+        Of the prior under which it is told.
     """
 
     session: Session
     chain: PlanChain
     samples: Samples
     belief: ConditionedPrior
+    prior_sha256: str
 
     @property
     def deviation(self) -> float:
@@ -117,6 +120,7 @@ class Standing:
         told = {
             "deviation_before": round(self.deviation, 6),
             "deviation_after": round(self.belief.deviation_after(light, view), 6),
+            "prior_sha256": self.prior_sha256,
         }
         return plan.model_copy(update={"selection": plan.selection.model_copy(update=told)})
 

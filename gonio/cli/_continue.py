@@ -17,7 +17,7 @@ SHOTS = 16
 
 _OF_USE = frozenset(
     {"continued", "shots", "criterion", "weight", "candidates", "view_candidates",
-     "light_candidates", "prior_path", "timing_path", "bracket"}
+     "light_candidates", "prior_path", "timing_path", "bracket", "max_theta_deg"}
 )  # fmt: skip
 
 

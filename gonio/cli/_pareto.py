@@ -46,6 +46,7 @@ def write_pareto(
     from gonio.cli._study_end import show_grids
     from gonio.report.study import write_study
     from gonio.report.sweep import Compared
+    from nnbrdf.cores import cores
     from planner.beliefs import RememberedPrior
     from planner.criteria import CRITERIA
     from planner.expected import ExpectedError, rank_for
@@ -60,7 +61,8 @@ def write_pareto(
     known = RememberedPrior(settings["prior"], rank_for(field))
     plan_of = partial(make_plan, rig, **{**settings, "prior": lambda: known})
     with progress_bar("planning") as progress:
-        sweep = run_sweep(designs, plan_of, field, ExpectedError(field, known), progress)
+        judge = ExpectedError(field, known)
+        sweep = run_sweep(designs, plan_of, field, judge, progress, workers=cores())
     compared = Compared(sweep)
     table, page = folder / "pareto.csv", folder / "pareto.html"
     _write_table(table, compared)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -235,7 +234,7 @@ def _created(
 def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None, goal: Goal | None) -> Plan:
     """Return the plan asked for, or plan.json, or a fresh one: `sixth`, or few pairs to begin."""
     from gonio.cli._adaptive import first_shots
-    from gonio.cli._prior import material_prior
+    from gonio.cli._prior import material_prior, with_prior
     from gonio.cli._timing import timing_for
     from gonio.plan import Plan
     from planner.make import make_plan
@@ -247,14 +246,16 @@ def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None, goal: Goal | N
     what = f"begins with {shots} pairs" if shots else "measures density sixth"
     click.echo(f"no plan.json here, so this {what} (see gonio plan --help)")
     timing = timing_for(rig, rig_path, None)
-    return make_plan(
+    prior = material_prior(goal.prior_path if goal else None)
+    plan = make_plan(
         rig,
         criterion="i-optimal",
         shots=shots,
-        prior=cache(lambda: material_prior(goal.prior_path if goal else None)),
+        prior=lambda: prior,
         timing=timing,
         bracket="predicted" if timing else "all",
     )
+    return with_prior(plan, prior)
 
 
 def _measure(session: Session, settings: TwinSettings) -> None:

@@ -12,9 +12,7 @@ from click.core import ParameterSource
 from gonio.cli._scene import SceneOptions, scene_options
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from gonio.plan import Estimates, Plan, Side
+    from gonio.plan import Plan, Side
     from gonio.rig import Rig
     from planner.candidates import Candidates
 
@@ -90,6 +88,13 @@ BRACKETS = ("all", "predicted")
     help="Choose N pairs freely, rather than all pairs of some views and lights.",
 )
 @click.option(
+    "--hours",
+    type=click.FloatRange(min=0, min_open=True, max=10_000),
+    metavar="H",
+    help="Choose as many pairs as the rig can take in so many hours, calibration and all, each for "
+    "what it tells per second of reaching and taking it.",
+)
+@click.option(
     "--continue",
     "continued",
     type=click.Path(path_type=Path),
@@ -160,6 +165,7 @@ def command(
     max_theta_deg: float | None,
     seed: int | None,
     shots: int | None,
+    hours: float | None,
     continued: Path | None,
     scene: Path | None,
     material: str | None,
@@ -181,6 +187,7 @@ def command(
     Examples:
         gonio plan                               14 views x 14 lights, 3 % of the full set
         gonio plan --shots 64                    64 pairs, each for what it adds to the others
+        gonio plan --hours 1.5                   the pairs that tell most in an hour and a half
         gonio plan --density va-is               all views, a sixth of the lights
         gonio plan --views 20 --lights 10 -o small.json
         gonio plan --candidates fibonacci:300 --shots 196
@@ -194,6 +201,7 @@ def command(
 
     from gonio.cli._continue import go_on, refuse_others, tell
     from gonio.cli._pareto import write_pareto
+    from gonio.cli._plan_table import print_plan
     from gonio.cli._prior import material_prior, with_prior
     from gonio.cli._timing import timing_for
     from gonio.errors import BadInputError
@@ -215,17 +223,22 @@ def command(
             bracket,
             criterion=criterion,
             demand=cosine_demand if weight == "cosine" else None,
+            max_theta_deg=max_theta_deg,
             view_candidates=candidates_named(view_candidates or candidates),
             light_candidates=candidates_named(light_candidates or candidates),
         )
-        _print_table(plan)
+        print_plan(plan)
         tell(plan, path)
         return
     context = click.get_current_context()
     given = context.get_parameter_source("density") is not ParameterSource.DEFAULT
-    if shots is not None and (views or lights or given):
+    if (shots is not None or hours is not None) and (views or lights or given):
         raise BadInputError(
-            "--shots chooses pairs freely; leave out --density, --views and --lights"
+            "--shots and --hours choose pairs freely; leave out --density, --views and --lights"
+        )
+    if hours is not None and (shots is not None or scene or isotropic or pareto):
+        raise BadInputError(
+            "--hours says how much to measure; leave out --shots, --scene, --isotropic and --pareto"
         )
     use = SceneOptions(scene, material, isotropic, mono, plot_demand)
     every = pareto and context.get_parameter_source("criterion") is ParameterSource.DEFAULT
@@ -281,14 +294,14 @@ def command(
         field_of = partial(field_within, rig, light_set, view_set, max_theta_deg)
         plan = use.plan(make, field_of, believed, shots, fewest=fewest)
     else:
-        plan = make(shots=shots, prior=believed)
+        plan = make(shots=shots, hours=hours, prior=believed)
     plan = use.finish(plan)
     if believed.cache_info().currsize:
         plan = with_prior(plan, believed())
     elif prior:
         click.echo("note: all pairs are measured, so the prior had no say")
     plan.save(output)
-    _print_table(plan)
+    print_plan(plan)
     click.echo(f"wrote {output}, sha256 {plan.sha256}")
     if len(plan.shots) < MIN_SAMPLES:
         click.echo(f"note: gonio reconstruct needs at least {MIN_SAMPLES} shots")
@@ -299,43 +312,6 @@ def command(
         _draw(plan, plot, view_set, light_set)
         click.echo(f"wrote {plot}")
     use.draw()
-
-
-def _print_table(plan: Plan) -> None:
-    from rich.table import Table
-
-    from gonio.cli._console import console
-
-    table = Table(show_header=False, box=None)
-    for name, value in _rows(plan):
-        table.add_row(name, value)
-    console.print(table)
-
-
-def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
-    from gonio.report.plan_facts import spared_rows
-    from gonio.words import duration, size
-
-    selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
-    yield "views", str(selection.views)
-    yield "lights", str(selection.lights)
-    yield "shots", f"{shots}, {shots / selection.full_set:.1%} of the full set"
-    yield "measured both ways", f"{selection.reciprocal_pairs} pairs, by reciprocity"
-    if selection.variance_left is not None:
-        bound = selection.variance_bound
-        at_best = "" if bound is None else f"; no choice of so many leaves less than {bound:.2%}"
-        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
-    for left_out in plan.left_out:
-        yield "left out", f"{left_out.shots} {left_out.reason}"
-        yield from ((f"  {name}", text) for name, text in spared_rows(left_out))
-    yield "estimated time", _with_interval(estimates)
-    for name in ("moving", "settling", "exposing", "overhead", "homing"):
-        yield f"  {name}", duration(getattr(estimates, f"{name}_s"))
-    yield "  timing", _timing_of(estimates)
-    yield "estimated storage", f"{size(estimates.storage_bytes)} in {estimates.frames} frames"
-    yield "route", selection.route
-    if plan.route is not None:
-        yield "", f"{plan.route.moving_s:.1f} s of moves; {plan.route.bound_s:.1f} s at the least"
 
 
 def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path | None) -> None:
@@ -353,16 +329,6 @@ def _refuse_idle(criterion: str, weight: str, seed: int | None, prior_path: Path
         raise BadInputError(f"criterion {criterion} draws nothing; leave out --seed")
 
 
-def _with_interval(estimates: Estimates) -> str:
-    from gonio.words import duration
-
-    total = duration(estimates.total_s)
-    if estimates.total_hi_s is None:
-        return total
-    reach_s = estimates.total_hi_s - estimates.total_s
-    return f"{total} +- {duration(reach_s)} (5 to 95 %)"
-
-
 def _write_page(
     path: Path,
     plan: Plan,
@@ -374,12 +340,6 @@ def _write_page(
     from planner.reach import reach_of
 
     write_plan_page(path, plan, rig, *sides, reach_of(*sides, rig, max_theta_deg).reasons)
-
-
-def _timing_of(estimates: Estimates) -> str:
-    if estimates.timing_sha256 is None:
-        return "as built in; measure yours: gonio rig bench"
-    return f"measured, sha256 {estimates.timing_sha256[:12]}"
 
 
 def _draw(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> None:

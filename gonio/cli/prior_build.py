@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,16 +56,22 @@ def command(*, folders: tuple[Path, ...], output: Path, seed: int) -> None:
 
 
 def _learned(folders: Sequence[Path]) -> Iterator[LearnedMaterial]:
-    """Read the models below the folders; what is broken or of another kind is named and skipped."""
+    """Read the models below the folders, each once, whatever its folder is called.
+
+    What is broken, of another kind, or there already, is named and skipped.
+    """
     from gonio.cli._console import progress_bar
     from gonio.errors import BadFileError, BadInputError
+    from gonio.files import sha256_file
     from nnbrdf.card import CARD_NAME
     from nnbrdf.load import load_model
     from nnbrdf.taught import TaughtBRDF
+    from nnbrdf.weights import WEIGHTS_NAME
 
     for folder in folders:
         if not folder.is_dir():
             raise BadInputError(f"{folder} is no folder; name folders that hold sessions")
+    seen: dict[str, Path] = {}
     cards = sorted({card for folder in folders for card in folder.rglob(CARD_NAME)})
     with progress_bar("reading models") as progress:
         for done, card in enumerate(cards, 1):
@@ -73,11 +80,16 @@ def _learned(folders: Sequence[Path]) -> Iterator[LearnedMaterial]:
             except BadFileError as error:
                 click.echo(f"skipped: {error}", err=True)
                 continue
-            if isinstance(model, TaughtBRDF):
-                yield model.as_example()
-            else:
+            if not isinstance(model, TaughtBRDF):
                 click.echo(
                     f"skipped: {card.parent} is of estimator {model.card.estimator}, not nn",
                     err=True,
                 )
+                continue
+            digest = sha256_file(card.parent / WEIGHTS_NAME)
+            if digest in seen:
+                click.echo(f"skipped: {card.parent} is the same as {seen[digest]}", err=True)
+                continue
+            seen[digest] = card.parent
+            yield replace(model.as_example(), source=str(card.parent), sha256=digest)
             progress(done, len(cards))

@@ -148,12 +148,13 @@ def _from_table(recipe: Estimator, table: Path, folder: Path, compare: bool) -> 
     from gonio.report import write_report
     from gonio.tables import read_table
 
+    page = folder / "report.html"
+    _check_places(folder, page)
     samples = read_table(table)
     trial = _trial(samples, None) if compare else None
-    _fit(recipe, samples, folder)
+    _fit(recipe, samples, folder, page)
     if trial:
         _compare(recipe, trial, folder)
-    page = folder / "report.html"
     _show(write_report(page, model=folder, samples=samples), folder, page)
 
 
@@ -165,15 +166,28 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None, compare: b
     if output is None:
         session.check_writable("name a folder for the model with -o")
     folder = output or session.model
+    page = folder / "report.html" if output else session.report_path
+    _check_places(folder, page)
     with session.lock():
         samples = _reduced(session)
         trial = _trial(samples, session) if compare else None
-        session.note_timing("reconstruct", _fit(recipe, samples, folder))
+        session.note_timing("reconstruct", _fit(recipe, samples, folder, page))
         if trial:
             _compare(recipe, trial, folder)
-        page = folder / "report.html" if output else session.report_path
         summary = write_report(page, model=folder, samples=samples, session=session)
     _show(summary, folder, page)
+
+
+def _check_places(folder: Path, page: Path) -> None:
+    """Refuse, before the training, where model and page could not be written after it."""
+    from gonio.errors import StorageError
+    from gonio.files import check_room
+
+    # a model is written aside first
+    for place in (folder.parent, folder, page.parent):
+        check_room(place)
+    if page.is_dir():
+        raise StorageError(f"{page}: is a folder, where the report goes; move it away")
 
 
 def _reduced(session: Session) -> Samples:
@@ -185,12 +199,15 @@ def _reduced(session: Session) -> Samples:
     return replace(samples, provenance=made_from)
 
 
-def _fit(recipe: Estimator, samples: Samples, folder: Path) -> float:
+def _fit(recipe: Estimator, samples: Samples, folder: Path, page: Path) -> float:
     from gonio.cli._console import progress_bar
+    from gonio.files import remove_file
 
     began = time.perf_counter()
     with progress_bar("training") as progress:
         estimate = recipe.fit(samples, progress)
+    # a page tells of the model beside it or is not there, even if this is killed before the next
+    remove_file(page)
     estimate.save(folder)
     return time.perf_counter() - began
 

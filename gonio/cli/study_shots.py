@@ -19,7 +19,8 @@ ABOUT = (
     "paper is the recipe of Mikes and Haindl (2023) at 103,000 steps; pca-ridge is Nielsen et al. "
     "(2015) on a basis of generated materials, linear between the nodes of the grid; nbrdf is "
     "Sztrajman et al. (2021). Off grid are 100,000 random pairs up to 75 degrees of materials that "
-    "are known there; compression is the numbers of the grid over those that a method keeps."
+    "are known there; compression is the numbers of the grid over those that a method keeps, where "
+    "channels that are the same count once."
 )
 
 

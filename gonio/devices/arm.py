@@ -183,7 +183,8 @@ class Arm:
         # one right after the other: what the arms sweep hangs on it
         for axis in axes:
             axis.start_move()
-        self._check_started_together(self._clock.now() - began_s)
+        if len(axes) > 1:
+            self._check_started_together(self._clock.now() - began_s)
         for axis in axes:
             axis.check_started()
         deadline_s = began_s + _SLACK * longest_s + _SLACK_S

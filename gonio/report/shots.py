@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from nnbrdf.studies.shots import Shot
 
-_GRID = 81 * 81 * 3
+_PAIRS = 81 * 81
 
 
 def shots_section(title: str, shots: Sequence[Shot]) -> Section:
@@ -64,7 +64,7 @@ def _cells(group: Sequence[Shot], with_off: bool) -> tuple[str, ...]:
         *(off if with_off else ()),
         f"{mean(s.seconds for s in group):.2f}",
         f"{numbers:.0f}",
-        f"{_GRID / numbers:.1f}",
+        f"{_PAIRS * mean(s.channels for s in group) / numbers:.1f}",
     )
 
 

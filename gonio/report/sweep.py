@@ -83,7 +83,7 @@ class Compared:
             _drawing("Expected error against acquisition time", self.points,
                      "estimated time on the rig", self._knee),
             _drawing("Expected error against planning time", planning,
-                     "time to choose and to order, without the prior's factor", None),
+                     "time of one core to choose and to order, without the prior's factor", None),
         )  # fmt: skip
         grids = (self.nights_grid(), self.front_grid(), self.all_grid())
         learned = self.learned()

@@ -12,7 +12,7 @@ from gonio.protocols import PriorKind
 from nnbrdf.prior.family import grid_pairs, pivoted_cholesky
 from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.ground import Grounds
-from nnbrdf.prior.material_prior import EXPECTED, SOME_EXAMPLES, thinned
+from nnbrdf.prior.material_prior import EXPECTED, KIND_SHARES, SOME_EXAMPLES, thinned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,13 +26,18 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-DOUBT = 0.1
-"""What each kind of material counts at least, whatever the samples say: the model may be wrong."""
+DOUBT = 0.5
+"""How much what was believed before still counts for a choice, whatever the samples say.
+
+Few samples are told easily by settings that are wrong, and pairs chosen under these alone would not
+show it: an isotropic material, say, is measured at one azimuth.
+"""
+_COUNTS = 0.1
 _JITTER = 1e-9
 
 
 class Belief(NamedTuple):
-    """A family with settings, and how much it counts."""
+    """A family, with few of its examples, under some settings, and how much that counts."""
 
     family: Family
     settings: Settings
@@ -50,8 +55,10 @@ class ConditionedPrior:
     ----------
     inference
         What the samples tell.
-    beliefs
-        Which kinds of material are held possible, with few of their examples.
+    told
+        What they leave possible: the posterior's components. Their shares add up to one.
+    before
+        What was held possible before, likewise.
     sites
         Where samples were taken and will be.
     noise
@@ -61,7 +68,8 @@ class ConditionedPrior:
     """
 
     inference: Inference
-    beliefs: tuple[Belief, ...]
+    told: tuple[Belief, ...]
+    before: tuple[Belief, ...]
     sites: Pairs
     noise: Array
     grounds: Grounds = field(default_factory=Grounds)
@@ -87,9 +95,11 @@ class ConditionedPrior:
         grounds
             Of the last such prior, to go on with.
         """
+        few = {family.name: thinned(family, SOME_EXAMPLES) for family in families}
         return cls(
             inference,
-            _beliefs(families, inference),
+            _told(few, inference),
+            tuple(Belief(few[name], EXPECTED, share) for name, share in KIND_SHARES.items()),
             sites,
             _with_coming(inference.noise, len(sites)),
             grounds or Grounds(),
@@ -134,17 +144,30 @@ class ConditionedPrior:
     def kinds(self, light: Array, view: Array, rank: int) -> list[PriorKind]:
         """Return the covariance that each belief has left (see `gonio.protocols.Prior`).
 
-        Their shares count what each leaves unknown, in the log domain, as it is.
+        Of what the samples tell, shares count the variance left, as it is; of what was believed
+        before, the share of its variance that is left, as where nothing is known yet.
         """
-        factors = [self._factor(belief, light, view, rank) for belief in self.beliefs]
-        left = [
-            belief.share * float((factor**2).sum(axis=1)[which].sum())
-            for belief, (factor, which) in zip(self.beliefs, factors, strict=True)
-        ]
-        return [
-            PriorKind(belief.family.name, part / sum(left), *factor)
-            for belief, part, factor in zip(self.beliefs, left, factors, strict=True)
-        ]
+        kinds = []
+        for beliefs, weight in ((self.told, 1 - DOUBT), (self.before, DOUBT)):
+            factors = [self._factor(belief, light, view, rank) for belief in beliefs]
+            left = [
+                belief.share * float((factor**2).sum(axis=1)[which].mean())
+                for belief, (factor, which) in zip(beliefs, factors, strict=True)
+            ]
+            if beliefs is self.before:
+                whole = [self._whole(belief, light, view) for belief in beliefs]
+                left = [part / all_of_it for part, all_of_it in zip(left, whole, strict=True)]
+            kinds += [
+                PriorKind(belief.family.name, weight * part / sum(left), *factor)
+                for belief, part, factor in zip(beliefs, left, factors, strict=True)
+            ]
+        return kinds
+
+    def _whole(self, belief: Belief, light: Array, view: Array) -> float:
+        """Return the mean variance of pairs before anything was measured."""
+        ground = self._ground(belief, light, view)
+        variance = belief.family.variances(ground.traits).total(belief.settings)
+        return float(variance[ground.which].mean())
 
     def _factor(
         self, belief: Belief, light: Array, view: Array, rank: int
@@ -165,7 +188,7 @@ class ConditionedPrior:
         """Return the variance left at the 81 x 81 pairs, noise included, shape (6561,)."""
         grid = grid_pairs()
         left = np.zeros(len(grid))
-        for belief in self.beliefs:
+        for belief in self.told:
             ground = self._ground(belief, grid.light, grid.view)
             variance = _variance(belief, ground, self._known(belief, ground))
             left += belief.share * (variance[ground.which] + belief.settings.noise)
@@ -200,13 +223,15 @@ def _with_coming(noise: Array, count: int) -> Array:
     return np.concatenate([noise, np.full(count - len(noise), np.median(noise))])
 
 
-def _beliefs(families: Sequence[Family], inference: Inference) -> tuple[Belief, ...]:
-    told = {family.name: 0.0 for family in families}
+def _told(few: dict[str, Family], inference: Inference) -> tuple[Belief, ...]:
+    """Return the components that count; those that differ by their noise alone as one."""
     posterior = inference.posterior
+    merged: dict[tuple[str, Settings], Belief] = {}
     for component, share in zip(posterior.components, posterior.shares.tolist(), strict=True):
-        told[component.family.name] += share
-    free = 1 - DOUBT * len(families)
-    return tuple(
-        Belief(thinned(family, SOME_EXAMPLES), EXPECTED, DOUBT + free * told[family.name])
-        for family in families
-    )
+        name, settings = component.family.name, component.settings
+        key = name, settings._replace(noise=0.0)
+        before = merged.get(key, Belief(few[name], settings, 0.0))
+        merged[key] = before._replace(share=before.share + share)
+    kept = [belief for belief in merged.values() if belief.share >= _COUNTS]
+    total = sum(belief.share for belief in kept)
+    return tuple(belief._replace(share=belief.share / total) for belief in kept)

@@ -34,11 +34,15 @@ class LearnedMaterial:
         Its inputs, a name of `nnbrdf.halfway.HALFWAY`.
     tint
         What each output is multiplied with, shape (outputs,).
+    source, sha256
+        The folder of its model, and the SHA-256 of the weights there; empty where not known.
     """
 
     network: Networks
     encoding: str
     tint: Array
+    source: str = ""
+    sha256: str = ""
 
     @property
     def isotropic(self) -> bool:

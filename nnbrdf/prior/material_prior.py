@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from gonio.errors import BadFileError
+from gonio.errors import BadFileError, BadInputError
 from gonio.files import write_with
 from gonio.protocols import PriorKind
 from nnbrdf.prior.family import Family, Settings, Traits, pivots_and_factor
@@ -21,6 +22,7 @@ from nnbrdf.prior.stored import (
     families_from,
     learned_arrays,
     learned_from,
+    origin_arrays,
 )
 from nnbrdf.prior.used import PriorUsed
 
@@ -36,12 +38,13 @@ if TYPE_CHECKING:
 
 SCHEMA = "gonio.prior/1"
 EXAMPLES = 2000
-ISOTROPIC_SHARE = 0.8
+KIND_SHARES = {"isotropic": 0.8, "anisotropic": 0.2}
 EXPECTED = Settings(smooth=0.03, stretch=1.0, exchange=0.0, noise=0.01)
 SOME_EXAMPLES, _FEW_EXAMPLES = 500, 125
 """Generated examples that choose pairs: 2000 would leave one per cent less, in thrice the time."""
 _MANY, _LANDMARKS, _AT_ONCE = 20_000, 3000, 10_000
 _REMEDY = "make it with: gonio prior build"
+_BROKEN = (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error, BadInputError)
 
 
 @dataclass(frozen=True)
@@ -71,16 +74,15 @@ class MaterialPrior:
     def kinds(self, light: Array, view: Array, rank: int) -> list[PriorKind]:
         """Return the covariance of each kind at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
-        shares = (ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE)
         return [
-            PriorKind(family.name, share, *_factor(family, pairs, rank))
-            for family, share in zip(self.families, shares, strict=True)
+            PriorKind(family.name, KIND_SHARES[family.name], *_factor(family, pairs, rank))
+            for family in self.families
         ]
 
     def expected(self, light: Array, view: Array) -> tuple[Array, Array]:
         """Return mean and deviation of the logarithm at pairs (see `gonio.protocols.Prior`)."""
         pairs = Pairs.of(light, view)
-        shares = np.array([ISOTROPIC_SHARE, 1 - ISOTROPIC_SHARE])
+        shares = np.array([KIND_SHARES[family.name] for family in self.families])
         told = [family.expected(pairs, EXPECTED) for family in self.families]
         mean, variance = (np.array(each) for each in zip(*told, strict=True))
         middle = shares @ mean
@@ -118,11 +120,12 @@ class MaterialPrior:
         return PriorUsed(sha256=self.sha256, generated=generated, measured=len(self.learned))
 
     def save(self, path: Path) -> None:
-        """Write the examples' parameters and weights as npz, without pickles."""
+        """Write the examples' parameters and weights as npz, without pickles, and their origin."""
 
         def write(aside: Path) -> None:
             with aside.open("wb") as file:
                 arrays: dict[str, Any] = {"schema": np.array(SCHEMA), **self._arrays}
+                arrays |= origin_arrays(self.learned)
                 np.savez_compressed(file, **arrays)
 
         write_with(path, write)
@@ -140,11 +143,13 @@ class MaterialPrior:
             with np.load(path, allow_pickle=False) as file:
                 arrays = dict(file)
             if str(arrays["schema"]) != SCHEMA:
-                raise BadFileError(path, f"has schema {arrays['schema']}, not {SCHEMA}", _REMEDY)
+                raise ValueError(f"it has schema {arrays['schema']}, not {SCHEMA}")
             return cls(families_from(arrays)).learn(learned_from(arrays))
         except FileNotFoundError:
             raise BadFileError(path, "no such file", _REMEDY) from None
-        except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile) as error:
+        except KeyError as error:
+            raise BadFileError(path, f"is no prior (it lacks {error.args[0]})", _REMEDY) from None
+        except _BROKEN as error:
             # numpy would have people load such a file unsafely
             problem = "it is no npz of arrays" if "pickle" in str(error) else error
             raise BadFileError(path, f"is no prior ({problem})", _REMEDY) from None

@@ -15,7 +15,9 @@ from gonio.files import sha256_bytes
 from gonio.materials import MeasuredTable
 from gonio.samples import Samples
 from gonio.validation import Document
+from nnbrdf.analytic_model import AnalyticCard
 from nnbrdf.metrics import eps8, male
+from nnbrdf.posterior_model import PosteriorCard
 from nnbrdf.prior import MaterialPrior, Pairs
 from nnbrdf.prior.family import grid_pairs
 from nnbrdf.prior.generated import GeneratedMaterials
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nnbrdf.load import Model
+    from nnbrdf.load import Model, ModelCard
 
     Array = NDArray[np.float64]
     Evaluate = Callable[[Array, Array], Array]
@@ -56,7 +58,10 @@ class Shot(Document):
     seconds
         From the samples to the values on the grid.
     numbers
-        How many the method keeps of a material, such as weights.
+        How many the method keeps of a material, such as weights; what it keeps a channel counts
+        once for channels that are the same.
+    channels
+        How many different ones the material has.
     off_eps8, off_male
         At 100,000 random pairs up to 75 degrees; None of a material known on the grid only.
     """
@@ -69,6 +74,7 @@ class Shot(Document):
     male: Error
     seconds: Error
     numbers: Count
+    channels: Count
     off_eps8: Error | None = None
     off_male: Error | None = None
 
@@ -123,7 +129,7 @@ def methods(names: Sequence[str]) -> dict[str, Method]:
     def estimated(name: str, **settings: object) -> Method:
         def run(samples: Samples, rows: NDArray[np.int64]) -> tuple[Evaluate, int]:
             model = cast("Model", estimator_named(name)(**settings).fit(samples))
-            return model.evaluate, model.card.weights
+            return model.evaluate, _numbers(model.card, distinct_channels(samples.value))
 
         return run
 
@@ -133,7 +139,7 @@ def methods(names: Sequence[str]) -> dict[str, Method]:
         def run(samples: Samples, rows: NDArray[np.int64]) -> tuple[Evaluate, int]:
             told = basis.reconstruct(rows, samples.value, samples.white)
             table = MeasuredTable.of(np.broadcast_to(told, (len(told), 3)).reshape(81, 81, 3))
-            return table.evaluate, COMPONENTS * told.shape[1]
+            return table.evaluate, COMPONENTS * distinct_channels(samples.value)
 
         return run
 
@@ -186,6 +192,20 @@ def run_shots(
     return [done[truth.digest, name, count] for truth, name, count in wanted]
 
 
+def distinct_channels(values: Array) -> int:
+    """Return how many channels, the last axis, are not the same as another."""
+    return int(np.unique(values.reshape(-1, values.shape[-1]), axis=1).shape[1])
+
+
+def _numbers(card: ModelCard, channels: int) -> int:
+    """Return how many numbers a model keeps of a material with so many different channels."""
+    if isinstance(card, PosteriorCard):
+        return card.samples * channels
+    if isinstance(card, AnalyticCard):
+        return len(card.shape) + len(card.colors) * channels
+    return card.weights
+
+
 def _try(truth: Truth, name: str, method: Method, rows: NDArray[np.int64]) -> Shot:
     grid, value = grid_pairs(), truth.values.reshape(-1, 3)[rows]
     samples = Samples.from_values(grid.light[rows], grid.view[rows], value, sigma=_SIGMA * value)
@@ -204,6 +224,7 @@ def _try(truth: Truth, name: str, method: Method, rows: NDArray[np.int64]) -> Sh
         male=errors[1],
         seconds=seconds,
         numbers=numbers,
+        channels=distinct_channels(truth.values),
         off_eps8=off[0],
         off_male=off[1],
     )

@@ -166,6 +166,9 @@ MOVES = [
     # at the limit, going away from it and on along it
     ("separation", (12, 0, 0, 0), (40, 0, 0, 0), False),
     ("separation", (12, 0, 0, 0), (12, 300, 0, 0), False),
+    # side by side: either may start 30 ms before the other, and turns 0.9 deg in that
+    ("separation", (90, 0, 90, 12.5), (90, 200, 90, 212.5), True),
+    ("separation", (90, 0, 90, 13.5), (90, 200, 90, 213.5), False),
     ("box", (55, 0, 0, 0), (55, 90, 0, 0), True),
     ("box", (0, 0, 55, 90), (0, 0, 55, 0), True),
     ("box", (10, 0, 0, 0), (10, 90, 0, 0), False),
@@ -217,6 +220,15 @@ def test_encoders_may_be_off_by_as_much_as_is_in_position():
         free_way((40, 0, 0, 0), (11.97, 0, 0, 0), rig)
 
 
+def test_no_pose_on_the_way_is_nearer_than_allowed_by_a_hair():
+    """Between a box and a light at the pole, past stops at 22 deg that are just too near to it."""
+    wall = {"min_mm": (-300, 500, 200), "max_mm": (300, 1500, 1000)}
+    rig = rig_with(min_separation_deg=22.1, keep_out=[wall])
+    start, goal = np.array([50.0, 0, 0, 0]), np.array([50.0, 180, 0, 0])
+    assert blocked(start[None], goal[None], rig)[0]
+    assert not np.any([*not_free(free_way(start, goal, rig).poses_deg, rig).values()])
+
+
 RING = {
     "view_theta": {"min_deg": 60.0, "max_deg": 80.0},
     "view_phi": {"min_deg": 175.0, "max_deg": 185.0},
@@ -238,11 +250,10 @@ def test_the_other_way_round_where_the_travel_allows():
 
 
 def test_a_way_of_many_legs():
-    """A ring of two boxes that only the poles of a maze lead through."""
-    low, high = {"min_mm": (300, -900, 100), "max_mm": (400, 900, 1200)}, {}
-    high = {"min_mm": (-400, -900, 100), "max_mm": (-300, 900, 1200)}
-    rig = rig_with(keep_out=[low, high], min_separation_deg=40.0)
-    start, goal = np.array([85.0, 90, 85, 270]), np.array([85.0, 270, 85, 90])
-    way = free_way(start, goal, rig)
-    passed = np.array([start, *way.poses_deg])
+    """Between two walls, arms that have to keep far apart take many steps to change places."""
+    walls = [{"min_mm": (x, -900, 100), "max_mm": (x + 100, 900, 1200)} for x in (-400, 300)]
+    rig = rig_with(keep_out=walls, min_separation_deg=40.0)
+    start, goal = np.array([60.0, 270, 15, 240]), np.array([15.0, 300, 75, 255])
+    passed = np.array([start, *free_way(start, goal, rig).poses_deg])
+    assert len(passed) > 4
     assert not leg_blocked(passed[:-1], passed[1:], rig).any()

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -76,7 +78,7 @@ def test_one_factor_serves_all_and_is_what_a_shorter_one_would_be(prior):
     assert asked == [60, 60]
 
 
-def swept(prior, designs, rig=None):
+def swept(prior, designs, rig=None, workers=1):
     known = RememberedPrior(lambda: prior, 400)
     judge = ExpectedError(FIELD, known)
     steps = []
@@ -87,7 +89,7 @@ def swept(prior, designs, rig=None):
             **settings,
         )  # fmt: skip
 
-    sweep = run_sweep(designs, plan_of, FIELD, judge, lambda *step: steps.append(step))
+    sweep = run_sweep(designs, plan_of, FIELD, judge, lambda *step: steps.append(step), workers)
     assert steps[-1] == (len(designs), len(designs))
     return sweep
 
@@ -100,6 +102,14 @@ def test_errors_fall_with_more_shots_and_time_rises(prior, criterion):
     assert (np.diff([each.error for each in sweep.outcomes]) < 0).all()
     assert (np.diff([each.seconds for each in sweep.outcomes]) > 0).all()
     assert all(each.planning_s > 0 for each in sweep.outcomes)
+
+
+def test_side_by_side_is_the_same(prior):
+    designs = [Design(name, pairs=9) for name in ("i-optimal", "energy", "random")]
+    one, two = (swept(prior, designs, workers=workers).outcomes for workers in (1, 2))
+    assert [replace(each, planning_s=0.0) for each in one] == [
+        replace(each, planning_s=0.0) for each in two
+    ]
 
 
 def test_i_optimal_pairs_expect_less_error_than_random_ones(prior):

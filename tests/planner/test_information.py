@@ -225,6 +225,18 @@ def test_what_cannot_be_measured_is_not_counted(prior):
     assert not (free.measured & ~allowed).any()
 
 
+@pytest.mark.parametrize("side", [3, 5])
+def test_a_product_tells_which_of_its_pairs_cannot_be_taken(prior, side):
+    allowed = np.zeros((81, 81), bool)
+    allowed[40:45, 50:55] = ~np.eye(5, dtype=bool)
+    choice = IOptimal(lambda: prior).product(whole(allowed), side, side)
+    light, view = choice.measured.any(axis=1), choice.measured.any(axis=0)
+    assert (choice.measured == np.outer(light, view)).all()
+    assert choice.measured.sum() == side**2
+    # of five by five, all but a diagonal: no three by three is whole
+    assert (choice.measured & ~allowed).sum() == {3: 1, 5: 5}[side]
+
+
 def test_all_pairs_can_be_asked_for(prior):
     allowed = np.zeros((81, 81), bool)
     allowed[:20, :25] = True

@@ -68,7 +68,7 @@ def test_a_plan_pays_for_ways_round():
 
 def test_shots_between_which_there_is_no_way_are_refused(monkeypatch):
     monkeypatch.setattr(
-        "planner.make.seconds_of_ways",
+        "planner.shots.seconds_of_ways",
         lambda rig, timing: lambda starts, goals: np.full(len(starts), np.inf),
     )
     with pytest.raises(BadInputError, match="no order of the 4 shots"):

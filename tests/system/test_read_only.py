@@ -89,6 +89,20 @@ def test_what_would_write_into_it_is_refused_in_one_line(gonio, reader, frozen, 
     assert files == before.keys()
 
 
+def test_a_model_s_folder_is_tried_before_the_training(reader, frozen, tmp_path):
+    for name in ("locked", "locked/model"):
+        (tmp_path / name).mkdir()
+    header = "light_theta_deg,light_phi_deg,view_theta_deg,view_phi_deg,y"
+    # too few to be trained on, which would be said after the folder was found good
+    (tmp_path / "table.csv").write_text(f"{header}\n0,0,30,0,0.1\n")
+    frozen(tmp_path / "locked")
+    for folder in ("locked/model", "locked/new", "locked/new/deeper"):
+        refused = reader("reconstruct", "table.csv", "-o", folder)
+        assert (refused.returncode, refused.stdout) == (3, "")
+        assert "Permission denied" in refused.stderr
+        assert len(refused.stderr.splitlines()) == 1
+
+
 WRITE_AND_DIE = """
 import os, signal, sys
 from pathlib import Path

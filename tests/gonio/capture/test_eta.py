@@ -48,10 +48,11 @@ def test_any_rig_takes_what_its_plan_says(stage, text):
     assert score.is_within
 
 
+# of fewer shots, where the axes stand at power-up is more than that
 def test_a_whole_plan_within_3_percent_and_the_interval_for_most_seeds(stage):
     scores = []
     for seed in range(4):
-        here = stage(lambda rig: make_plan(rig, views=6, lights=6), seed=seed)
+        here = stage(lambda rig: make_plan(rig, views=8, lights=8), seed=seed)
         here.run()
         scores.append(score_of(here.session))
     assert all(abs(score.error) < 0.03 for score in scores)

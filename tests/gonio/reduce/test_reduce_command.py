@@ -22,7 +22,7 @@ def test_the_command_writes_samples_and_says_so(shots, gonio):
     done = gonio("reduce", shots.session.root)
     assert done.returncode == 0, done.stderr
     lines = {" ".join(line.split()) for line in done.stdout.splitlines()}
-    assert {"shots in the plan 2", "samples 2", "clipped 0", "faint 0"} <= lines
+    assert {"shots planned 2", "samples 2", "clipped 0", "faint 0"} <= lines
     assert f"samples: {shots.session.samples_path}" in lines
     assert len(Samples.load(shots.session.samples_path)) == 2
     assert shots.session.timings()["reduce"] > 0

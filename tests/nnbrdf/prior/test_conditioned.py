@@ -55,21 +55,26 @@ def test_the_factor_is_that_of_the_conditional_covariance(setting, number):
     # a pair and its reverse are one where the material keeps reciprocity, two where it does not
     pairs = Pairs.of(*(np.concatenate(e) for e in ((pairs.light, pairs.view), (pairs.view, pairs.light))))  # fmt: skip  # noqa: E501
     belief = Belief(PRIOR.families[number], setting, 1.0)
-    known = replace(conditioned(sites), beliefs=(belief,))
-    (kind,) = known.kinds(pairs.light, pairs.view, 200)
+    known = replace(conditioned(sites), told=(belief,))
+    kind, *_ = known.kinds(pairs.light, pairs.view, 200)
     told = (kind.factor @ kind.factor.T)[np.ix_(kind.which, kind.which)]
     np.testing.assert_allclose(told, dense(belief, pairs, sites, known.noise), atol=1e-5)
     assert len(kind.factor) == (30 if setting is EXPECTED else 60)
 
 
-def test_shares_count_what_is_unknown():
+def test_shares_count_what_is_unknown_and_half_of_what_was_believed_before():
     known = conditioned(pairs_of(3, 40))
     kinds = known.kinds(GRID.light, GRID.view, 100)
-    assert sum(kind.share for kind in kinds) == pytest.approx(1.0)
-    left = [belief.share * (kind.factor**2).sum(1)[kind.which].sum()
-            for belief, kind in zip(known.beliefs, kinds, strict=True)]  # fmt: skip
-    assert [kind.share for kind in kinds] == pytest.approx([each / sum(left) for each in left])
-    assert min(belief.share for belief in known.beliefs) >= 0.1
+    left = [(kind.factor**2).sum(1)[kind.which].mean() for kind in kinds]
+    told, before = kinds[:-2], kinds[-2:]
+    assert len(told) == len(known.told)
+    parts = [belief.share * part for belief, part in zip(known.told, left, strict=False)]
+    assert [kind.share for kind in told] == pytest.approx([0.5 * p / sum(parts) for p in parts])
+    whole = [
+        family.variances(family.traits(GRID)).total(EXPECTED).mean() for family in PRIOR.families
+    ]
+    parts = [0.8 * left[-2] / whole[0], 0.2 * left[-1] / whole[1]]
+    assert [kind.share for kind in before] == pytest.approx([0.5 * p / sum(parts) for p in parts])
 
 
 @settings(max_examples=10)

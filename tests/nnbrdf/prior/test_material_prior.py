@@ -1,4 +1,6 @@
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,6 +8,7 @@ import pytest
 from gonio.cli import main
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
+from gonio.files import sha256_file
 from gonio.report.provenance import hashes
 from gonio.samples import Samples
 from nnbrdf.load import load_model
@@ -224,3 +227,89 @@ def test_a_posterior_beside_another_prior_is_refused(family, tmp_path):
     MaterialPrior.generate(examples=150, seed=1).save(tmp_path / "prior.npz")
     with pytest.raises(BadFileError, match=r"prior\.npz: is another prior"):
         load_model(tmp_path)
+
+
+def test_a_model_counts_once_by_whatever_name(family, tmp_path, monkeypatch, capsys):
+    for index, model in enumerate(family[0][:2]):
+        model.save(tmp_path / "archive" / f"session{index}" / "model")
+    shutil.copytree(tmp_path / "archive/session0", tmp_path / "archive/copy")
+    (tmp_path / "link").symlink_to(tmp_path / "archive/session1")
+    monkeypatch.chdir(tmp_path / "archive")
+    folders = (tmp_path / "archive", ".", "session1", "../link")
+    assert run(monkeypatch, "prior", "build", *folders, "-o", tmp_path / "ours.npz") == 0
+    said = capsys.readouterr()
+    assert "isotropic: 2000 generated, 2 measured" in said.out
+    skipped = [line for line in said.err.splitlines() if " is the same as " in line]
+    assert len(skipped) == 5
+    assert "skipped: copy/model is the same as" in said.err
+    learned = MaterialPrior.load(tmp_path / "ours.npz").learned
+    assert {each.sha256 for each in learned} == {
+        sha256_file(Path(each.source) / "weights.safetensors") for each in learned
+    }
+    assert len({each.sha256 for each in learned}) == 2
+
+
+def scaled(name, factor):
+    return lambda arrays: arrays.update({name: arrays[name] * factor})
+
+
+def put(name, value):
+    return lambda arrays: arrays.update({name: np.array(value)})
+
+
+def stacked_twice(arrays):
+    for name in [name for name in arrays if ".layer." in name]:
+        arrays[name] = np.concatenate([arrays[name]] * 2)
+
+
+def a_single_example(arrays):
+    for name in [name for name in arrays if name.startswith("isotropic.")]:
+        arrays[name] = arrays[name][:1]
+
+
+def last_layer_blown_up(arrays):
+    last = max(name for name in arrays if name.startswith("learned.0.layer."))
+    arrays[last] = arrays[last] * np.float32(1e36)
+
+
+def without_layers(arrays):
+    for name in [name for name in arrays if name.startswith("learned.0.layer.")]:
+        del arrays[name]
+
+
+ABSURD = {
+    "tint not a number": (put("learned.0.tint", [1.0, np.nan, 1.0]), "tint"),
+    "tint below zero": (put("learned.0.tint", [1.0, -1.0, 1.0]), "tint"),
+    "tint of zero": (put("learned.0.tint", [1.0, 0.0, 1.0]), "tint"),
+    "tint of another shape": (put("learned.0.tint", [[1.0, 1.0]]), "tint"),
+    "tint of text": (put("learned.0.tint", ["red", "green", "blue"]), "tint"),
+    "activation": (put("learned.0.activation", "foo"), "activation 'foo'"),
+    "encoding": (put("learned.0.encoding", "foo"), "learned.0.encoding"),
+    "complex numbers": (scaled("isotropic.f0", 1j), "isotropic.f0"),
+    "whole numbers": (put("isotropic.f0", [[1, 2, 3]] * 150), "isotropic.f0"),
+    "text": (put("isotropic.body", ["a"] * 150), "isotropic.body"),
+    "complex layers": (scaled("learned.0.layer.0", 1j), "learned.0.layer.0"),
+    "bright beyond all": (scaled("isotropic.f0", 1e300), "isotropic.f0"),
+    "dark at the rim": (put("anisotropic.limb", [500.0] * 150), "anisotropic.limb is 500"),
+    "a network of no material": (last_layer_blown_up, "learned.0 is no material"),
+    "two networks": (stacked_twice, "not one network"),
+    "no network": (without_layers, "not one network"),
+    "a flat layer": (put("learned.0.layer.0", [1.0, 2.0]), "not one network"),
+    "one example": (a_single_example, "fewer than 10 isotropic examples"),
+    "another schema": (put("schema", "gonio.prior/9"), "gonio.prior/9"),
+    "an array missing": (lambda arrays: arrays.pop("anisotropic.sheen"), "lacks anisotropic.sheen"),
+}
+
+
+@pytest.mark.parametrize("name", ABSURD)
+def test_an_absurd_prior_is_refused_by_name_of_file_and_array(name, family, tmp_path):
+    spoil, says = ABSURD[name]
+    path = tmp_path / "prior.npz"
+    PRIOR.learn([family[0][0].as_example()]).save(path)
+    arrays = dict(np.load(path))
+    spoil(arrays)
+    np.savez(path, **arrays)
+    with pytest.raises(BadFileError, match=r"prior\.npz: is no prior") as refusal:
+        MaterialPrior.load(path)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)

@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gonio.directions import from_degrees, paper_directions
 from gonio.errors import BadFileError, BadInputError
 from gonio.materials import MeasuredTable
+from gonio.report.shots import shots_section
 from gonio.samples import Samples
 from nnbrdf.baselines import PcaRidge, fit_nbrdf
 from nnbrdf.metrics import eps8, male
@@ -98,13 +101,16 @@ def test_an_interrupted_study_keeps_what_it_has(tmp_path):
     assert [shot.shots for shot in read_shots(table)] == [8]
 
 
-HEAD = "material,sha256,method,shots,eps8,male,seconds,numbers,off_eps8,off_male\n"
-LINES = ["a,b,nn,8,nan,1,1,9,,", "a,b,nn,8,-1,1,1,9,,", "a,b,nn,8,1,1,1,0,,", "a,b,nn,8,1,1"]
+HEAD = "material,sha256,method,shots,eps8,male,seconds,numbers,channels,off_eps8,off_male\n"
+LINES = [
+    "a,b,nn,8,nan,1,1,9,3,,", "a,b,nn,8,-1,1,1,9,3,,", "a,b,nn,8,1,1,1,0,3,,",
+    "a,b,nn,8,1,1,1,9,0,,", "a,b,nn,8,1,1",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("line", LINES)
 def test_a_damaged_line_is_refused(line, tmp_path):
-    (tmp_path / "shots.csv").write_text(HEAD + "a,b,nn,8,1,1,1,9,,\n")
+    (tmp_path / "shots.csv").write_text(HEAD + "a,b,nn,8,1,1,1,9,3,,\n")
     assert read_shots(tmp_path / "shots.csv")[0].off_eps8 is None
     (tmp_path / "shots.csv").write_text(f"{HEAD}{line}\n")
     with pytest.raises(BadFileError, match=r"shots\.csv"):
@@ -152,6 +158,28 @@ def test_generated_materials_are_scored_between_the_nodes_too(tmp_path):
     (flat,) = run_shots([truth()], {8: rows_of(8)}, {"a": quick(0.1)}, table, lambda *at: None)
     assert flat.off_eps8 is None
     assert flat in read_shots(table)
+
+
+TINTS = {"grey": ((1.0, 1.0, 1.0), 1), "tinted": ((1.0, 0.5, 0.2), 3), "two alike": ((1, 1, 2), 2)}
+
+
+@pytest.mark.parametrize("kind", TINTS)
+def test_channels_that_are_the_same_are_counted_once_on_both_sides(kind, tmp_path, monkeypatch):
+    monkeypatch.setattr(MaterialPrior, "generate", lambda: PRIOR)
+    tint, channels = TINTS[kind]
+    one = truth()
+    one = replace(one, values=one.values * tint)
+    names = ("prior", "pca-ridge", *(("analytic",) if channels == 1 else ()))
+    shots = run_shots([one], {16: rows_of(16)}, methods(names), tmp_path / "t.csv", lambda *_: None)
+    numbers = {shot.method: shot.numbers for shot in shots}
+    assert numbers["prior"] == 16 * channels
+    assert numbers["pca-ridge"] == 300 * channels
+    # a few of the shape, and one a term
+    assert numbers.get("analytic", 0) < 10
+    (grid,) = shots_section("one", shots).grids
+    compression = {line.cells[0].split(",")[0]: line.cells[-1] for line in grid.lines}
+    assert compression["pca-ridge"] == f"{6561 / 300:.1f}"
+    assert compression["prior"] == f"{6561 / 16:.1f}"
 
 
 def test_no_material_at_all_is_refused(tmp_path, monkeypatch, capsys):

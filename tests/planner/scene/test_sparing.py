@@ -9,6 +9,7 @@ from gonio.errors import BadInputError
 from gonio.protocols import PriorKind
 from gonio.rig import default_rig
 from planner.candidates import candidates_named
+from planner.locate import rows_of
 from planner.make import field_within, make_plan
 from planner.scene.expected import expected_error
 from planner.scene.pairs import sample_pairs
@@ -74,11 +75,9 @@ def errors(use, plan):
     kinds = Smooth().kinds(*field_within(RIG, SET, SET, None, {}).pairs, 400)
     if use.isotropic:
         kinds = [kinds[0]._replace(share=1.0)]
-    angles = list(zip(SET.theta_deg.tolist(), SET.phi_deg.tolist(), strict=True))
     measured = np.zeros((len(SET), len(SET)), bool)
-    for shot in plan.shots:
-        light = angles.index((shot.light_theta_deg, shot.light_phi_deg))
-        measured[light, angles.index((shot.view_theta_deg, shot.view_phi_deg))] = True
+    # by place: the route is free to choose the azimuth at the pole
+    measured[rows_of(plan, "light", SET), rows_of(plan, "view", SET)] = True
     return expected_error(kinds, measured, use.demand(SET, SET), use.asked(SET, SET))
 
 
