@@ -133,7 +133,7 @@ def draw(curves: dict[str, tuple[list[Point], list[Point]]], path: Path) -> None
             axes.set_ylabel("male")
         panels = figure.axes
         panels[0].legend(fontsize=7)
-        figure.savefig(path, dpi=120)
+        figure.savefig(path, dpi=120, facecolor="white")
 
 
 if __name__ == "__main__":
