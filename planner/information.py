@@ -83,9 +83,10 @@ class Unknown:
             np.bincount(self.which, weights=weights, minlength=len(self._factor)), np.float64
         )
         self._times = counts
-        precision: Array = np.eye(self._factor.shape[1])
-        for rows, factor in self._chunks():
-            precision += (factor.T * (counts[rows] / NOISE)) @ factor
+        # most pairs have no weight
+        some = np.flatnonzero(counts)
+        rows = np.asarray(self._factor[some], np.float64)
+        precision = np.eye(rows.shape[1]) + (rows.T * (counts[some] / NOISE)) @ rows
         self._know(np.asarray(np.linalg.inv(precision), np.float64))
 
     def learn(self, measured: NDArray[np.int64]) -> None:
