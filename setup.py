@@ -17,7 +17,7 @@ PASSES = {"nnbrdf._fused": "passes.cpp", "nnbrdf._evaluate": "evaluate.cpp"}
 COSTS = {
     "nnbrdf._fused": "torch trains, some 40 times slower",
     "nnbrdf._evaluate": "NumPy evaluates, some 20 times slower",
-    "planner._route": "routes are some per cent longer",
+    "planner._route": "routes are about 1 per cent longer",
 }
 # square roots that would set errno are called one by one
 FLAGS = ["-std=c++17", "-O3", "-fvisibility=hidden", "-fno-math-errno"]
