@@ -36,7 +36,7 @@ def draw_training(history: History, truth: MeasuredTable | None) -> Figure:
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel("training time (s)")
     axes.set_ylabel("loss (units of white)" if truth is None else "eps8 (8-bit steps)")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="upper right")
     return figure
 
 

@@ -87,7 +87,8 @@ def _draw_points(axes: Axes, points: Sequence[Point], best: Sequence[Point]) -> 
     for group, (color, mark) in zip(groups, cycle(SERIES), strict=False):
         of_group = [point for point in points if point.group == group]
         axes.plot(*_places(of_group), mark, color=color, markersize=4.5, label=group)
-    axes.legend(fontsize=_LABEL_PT)
+    # errors fall with time; to look for the best place may take long, and is then warned of
+    axes.legend(fontsize=_LABEL_PT, loc="upper right")
 
 
 def _places(points: Sequence[Point]) -> tuple[list[float], list[float]]:

@@ -101,7 +101,7 @@ def _draw(
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel("shots")
     axes.set_ylabel("eps8 (8-bit steps)" if metric == "eps8" else metric)
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, loc="upper right")
     return figure
 
 
