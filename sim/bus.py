@@ -10,7 +10,7 @@ from sim.registers import NO_SUCH_UNIT, RefusedError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from gonio.clock import VirtualClock
+    from gonio.clock import Clock
     from sim.drive import Drive
 
 REQUEST_S = 0.002
@@ -32,16 +32,22 @@ class TwinBus:
         Brings every drive up to the present: both axes of an arm shake its end.
     answers_for_unknown
         A gateway on TCP answers for units that are not there; on RTU nobody does.
+
+    Attributes
+    ----------
+    powered
+        Whether the drives have their supply; without it no unit is there.
     """
 
     def __init__(
         self,
         drives: Mapping[int, Drive],
-        clock: VirtualClock,
+        clock: Clock,
         advance: Callable[[float], None],
         *,
         answers_for_unknown: bool,
     ) -> None:
+        self.powered = True
         self._drives = drives
         self._clock = clock
         self._advance = advance
@@ -63,6 +69,10 @@ class TwinBus:
         except RefusedError as refused:
             raise RegisterError(unit, address, refused.code) from None
 
+    def has(self, unit: int) -> bool:
+        """Return whether a unit is there."""
+        return self.powered and unit in self._drives
+
     def close(self) -> None:
         """Let go of the bus."""
 
@@ -70,7 +80,7 @@ class TwinBus:
         """Let a request travel to its unit."""
         self._clock.sleep(REQUEST_S)
         self._advance(self._clock.now())
-        if unit in self._drives:
+        if self.has(unit):
             return self._drives[unit]
         if self._answers_for_unknown:
             raise RegisterError(unit, address, NO_SUCH_UNIT)

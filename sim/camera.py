@@ -9,8 +9,14 @@ import numpy as np
 
 from gonio.materials import reference_material
 from sim import sensor
+from sim.blur import blurred_mosaic
+from sim.camera_imperfections import NONE
 from sim.dng import dng_bytes
+from sim.optics.lens import Lens
+from sim.pixels.chip import Chip
 from sim.scene import irradiance, render
+from sim.spectral_mix import spectral_mix
+from sim.warmth import COOL
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,7 +24,9 @@ if TYPE_CHECKING:
     from gonio.geometry import ArmPose
     from gonio.protocols import Material
     from gonio.rig import Rig
+    from sim.camera_imperfections import CameraImperfections
     from sim.scene import Scene
+    from sim.warmth import Warmth
 
 Holder = Literal["sample", "reference"]
 _SceneKey = tuple[Holder, "ArmPose", "ArmPose", tuple[float, ...]]
@@ -34,13 +42,20 @@ class SimCamera:
     sample
         The material in the holder.
     seed
-        Of all noise.
+        Of all noise, and of how this sensor's pixels differ.
+    imperfections
+        Of camera and lamps.
     """
 
-    def __init__(self, rig: Rig, sample: Material, seed: int) -> None:
+    def __init__(
+        self, rig: Rig, sample: Material, seed: int, imperfections: CameraImperfections = NONE
+    ) -> None:
         self._camera = rig.camera
         self._lamps = rig.lamps
         self._seed = seed
+        self._imperfections = imperfections
+        self._lens = None if imperfections == NONE else Lens(rig.camera, imperfections)
+        self._chip = Chip((rig.camera.height, rig.camera.width), imperfections, seed)
         self._materials = {"sample": sample, "reference": reference_material(rig)}
         self._last: tuple[_SceneKey, Scene] | None = None
 
@@ -53,6 +68,8 @@ class SimCamera:
         flux: NDArray[np.float64],
         exposure_s: float,
         key: str,
+        shake_rad: NDArray[np.float64] | None = None,
+        warmth: Warmth = COOL,
     ) -> bytes:
         """Return a whole DNG file; equal arguments give equal bytes.
 
@@ -68,10 +85,18 @@ class SimCamera:
             As requested; the file says how long the shutter truly was open.
         key
             Name of the exposure, on which its noise depends.
+        shake_rad
+            How far the picture was off meanwhile, along rows' and columns' numbers, shape (n, 2).
+        warmth
+            Of lamps and sensor, which only imperfect ones show.
         """
         random = sensor.keyed_generator(self._seed, key)
         true_s = sensor.true_exposure_s(exposure_s, random)
-        electrons = true_s * self._electrons_per_s(holder, view, light, flux)
+        light_e = true_s * self._electrons_per_s(holder, view, light, flux, warmth)
+        if shake_rad is not None:
+            light_e = blurred_mosaic(light_e, self._camera.focal_px * shake_rad)
+        mean = self._chip.mean_electrons(light_e, true_s, warmth.sensor)
+        electrons = self._chip.read(sensor.count(mean, random))
         return dng_bytes(
             sensor.read_out(electrons, random),
             cfa=sensor.CFA,
@@ -86,9 +111,14 @@ class SimCamera:
         )
 
     def _electrons_per_s(
-        self, holder: Holder, view: ArmPose, light: ArmPose, flux: NDArray[np.float64]
+        self,
+        holder: Holder,
+        view: ArmPose,
+        light: ArmPose,
+        flux: NDArray[np.float64],
+        warmth: Warmth,
     ) -> NDArray[np.float64]:
-        """Return the mean rate of each pixel, shape (height, width)."""
+        """Return the mean rate of each pixel for light alone, shape (height, width)."""
         strength = np.array([flux[lamp.n - 1] for lamp in self._lamps.lamp])
         total = np.zeros((self._camera.height, self._camera.width))
         if not strength.any():
@@ -98,7 +128,18 @@ class SimCamera:
             if share > 0:
                 place = light.place(1000.0 * self._lamps.distance_m, lamp.x_mm, lamp.y_mm)
                 total += share * irradiance(scene.points, place)
-        return sensor.ELECTRONS_PER_S * scene.response * total
+        if self._lens is None:
+            return sensor.ELECTRONS_PER_S * scene.response * total
+        radiance = scene.brdf * total[..., None] * self._mix(strength, warmth)
+        seen = self._lens.image(radiance, scene.points @ view.direction)
+        return sensor.ELECTRONS_PER_S * sensor.mosaic(seen)
+
+    def _mix(self, strength: NDArray[np.float64], warmth: Warmth) -> NDArray[np.float64]:
+        """Return the lit lamps' mix, shape (3,): so far away they make one source."""
+        junctions_c = np.array([warmth.junctions_c[lamp.n - 1] for lamp in self._lamps.lamp])
+        mean_c = float(strength @ junctions_c / strength.sum())
+        sizes = self._imperfections
+        return spectral_mix(mean_c, sizes.lamp_red_per_c, sizes.lamp_blue_per_c)
 
     def _scene(self, key: _SceneKey) -> Scene:
         """Return the scene of a pose; the last one is kept, for the frames of a bracket."""

@@ -12,8 +12,8 @@ from sim.states import Command, State, command_of, next_state
 
 if TYPE_CHECKING:
     from gonio.rig import Axis
+    from sim.fittings import Fittings
     from sim.positioning import SetPoint
-    from sim.vibration import Vibration
 
 BOOT_S = 0.5
 """How long a drive is *not ready to switch on* after power-up."""
@@ -36,8 +36,8 @@ class DriveControl:
     ----------
     spec
         The axis in the rig file.
-    vibration
-        Of the arm that the axis belongs to.
+    fittings
+        What it is fitted with beside its motor.
     position
         Where it stands at power-up, in counts from the home switch's edge.
 
@@ -51,13 +51,16 @@ class DriveControl:
         As the registers say.
     asked_s
         When a request was last answered well.
+    hurry
+        How many times faster than the host's this clock runs; the watchdog counts the host's time.
     """
 
-    def __init__(self, spec: Axis, vibration: Vibration, position: float) -> None:
-        self.axis = AxisMechanics(spec, vibration, position)
+    def __init__(self, spec: Axis, fittings: Fittings, position: float) -> None:
+        self.axis = AxisMechanics(spec, fittings, position)
         self.homing = Homing(self.axis, spec)
         self._following_limit = spec.following_error_deg * self.axis.counts_per_deg
         self._interlock_open = False
+        self.hurry = 1.0
 
     def power_up(self, now: float) -> None:
         """Be switched off and on: nothing set, position lost."""
@@ -119,6 +122,12 @@ class DriveControl:
         self._leave_operation(now)
         self._state = State.FAULT_REACTION if self.axis.moving else State.FAULT
 
+    def hit_limit(self, now: float) -> None:
+        """Run into a limit switch: the axis stops, and its set-points are given up."""
+        self.axis.close_switch(now)
+        self._positioning.give_up()
+        self.axis.stop(now)
+
     def set_interlock(self, is_open: bool, now: float) -> None:
         """Open or close the safety circuit."""
         self._interlock_open = is_open
@@ -149,6 +158,9 @@ class DriveControl:
             return
         if state is State.ENABLED and self._state is not State.ENABLED:
             self._positioning.begin(word)
+            if not self.axis.moving:
+                # a drive that takes over holds the load where it finds it
+                self.axis.let_go(now)
         if state is not self._state:
             self._enter(state, now)
 
@@ -194,5 +206,5 @@ class DriveControl:
 
     def _watchdog_due(self) -> float:
         if self.watchdog_ms and self._state is State.ENABLED:
-            return self.asked_s + self.watchdog_ms / 1000.0
+            return self.asked_s + self.hurry * self.watchdog_ms / 1000.0
         return math.inf

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
@@ -64,6 +65,8 @@ def dng_bytes(
         *_plane_fields(mosaic),
         *_filter_fields(cfa, black, white),
         *_color_fields(color_matrix, as_shot_neutral, camera_model),
+        # RawImageDigest: MD5 of the pixels row by row, 16 bits each, the low byte first
+        _bytes(50972, hashlib.md5(strip, usedforsecurity=False).digest()),
     ]
     exif = [
         _rationals(33434, [exposure_s]),

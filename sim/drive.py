@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from gonio.rig import Axis
-    from sim.vibration import Vibration
+    from sim.fittings import Fittings
 
 # velocity and acceleration at reset are the drive's own
 _RESET_SHARE = 0.25
@@ -26,8 +26,8 @@ class Drive:
     ----------
     spec
         The axis in the rig file.
-    vibration
-        Of the arm that the axis belongs to.
+    fittings
+        What it is fitted with beside its motor.
     position
         Where it stands at power-up, in counts from the home switch's edge.
     now
@@ -43,8 +43,8 @@ class Drive:
         The target position register, in counts.
     """
 
-    def __init__(self, spec: Axis, vibration: Vibration, position: float, now: float) -> None:
-        self.control = control = DriveControl(spec, vibration, position)
+    def __init__(self, spec: Axis, fittings: Fittings, position: float, now: float) -> None:
+        self.control = control = DriveControl(spec, fittings, position)
         self.axis, self.homing = control.axis, control.homing
         self._max_velocity = math.ceil(spec.max_velocity_deg_s * self.axis.counts_per_deg)
         self._max_acceleration = math.ceil(spec.max_acceleration_deg_s2 * self.axis.counts_per_deg)
@@ -61,7 +61,7 @@ class Drive:
             "error_code": lambda _: control.error,
             "digital_inputs": control.inputs,
             "watchdog_ms": lambda _: control.watchdog_ms,
-            "settle_urad": vibration.settle_urad,
+            "settle_urad": fittings.vibration.settle_urad,
         }
         self._write: dict[str, Callable[[int, float], None]] = {
             "controlword": self._set_controlword,

@@ -53,6 +53,8 @@ class LampHead:
         The lamps; `lose_cooling` spoils one.
     shutter
         The camera's.
+    hurry
+        How many times faster than the host's this clock runs; the watchdog counts the host's time.
     """
 
     def __init__(
@@ -64,9 +66,15 @@ class LampHead:
         self.leds = tuple(Led(clock.now()) for _ in range(LAMPS))
         self.shutter = Shutter(clock, tether, self.leds)
         self._errors: deque[int] = deque()
+        self.hurry = 1.0
         self._interlock_open = False
         self._watchdog_s = 0.0
         self._asked_s = clock.now()
+
+    def slow_down(self, electronics_us: float) -> None:
+        """Let the lamps' currents follow with that time constant; 0: at once."""
+        for led in self.leds:
+            led.electronics_s = electronics_us / 1e6
 
     def advance(self) -> None:
         """Let everything happen that is due, in its order."""
@@ -110,6 +118,16 @@ class LampHead:
         led.break_circuit(self._clock.now())
         if was_on:
             self.queue(OPEN_CIRCUIT)
+
+    def mend_circuit(self, n: int) -> None:
+        """Let lamp `n` have contact again."""
+        self.led(n).is_open = False
+
+    def overheat(self, n: int) -> None:
+        """Let lamp `n` get too hot; it says so unasked and switches itself off."""
+        self.advance()
+        self.led(n).heat_up(self._clock.now())
+        self.queue(OVER_TEMPERATURE)
 
     def led(self, n: int) -> Led:
         """Return lamp `n`, from 1.
@@ -191,7 +209,7 @@ class LampHead:
 
     def _watchdog_due(self) -> float:
         if self._watchdog_s and any(led.on for led in self.leds):
-            return self._asked_s + self._watchdog_s
+            return self._asked_s + self.hurry * self._watchdog_s
         return math.inf
 
     def _too_hot_due(self) -> float:

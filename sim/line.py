@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gonio.errors import TransportTimeoutError
 
 if TYPE_CHECKING:
-    from gonio.clock import VirtualClock
+    from gonio.clock import Clock
     from sim.lamp_protocol import LampProtocol
 
 BYTE_S = 1.0 / 11520.0
@@ -18,7 +18,7 @@ BYTE_S = 1.0 / 11520.0
 class TwinLine:
     """A `gonio.transports.SerialLine` with a simulated lamp head at its other end."""
 
-    def __init__(self, protocol: LampProtocol, clock: VirtualClock) -> None:
+    def __init__(self, protocol: LampProtocol, clock: Clock) -> None:
         self._protocol = protocol
         self._clock = clock
         self._answers: deque[bytes] = deque()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import radians
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.directions import paper_directions
 from gonio.errors import BadInputError
-from gonio.materials import MeasuredTable
+from gonio.exchange import read_material
 from nnbrdf.analytic import (
     AnisotropicGGX,
     CoatedDiffuse,
@@ -21,6 +22,8 @@ from nnbrdf.analytic import (
     Sheen,
     Sum,
 )
+from sim.board import CharucoBoard
+from sim.chart import ColorChart
 
 if TYPE_CHECKING:
     from gonio.protocols import Material
@@ -123,27 +126,36 @@ EMBEDDED: dict[str, Embedded] = {
             )
         ),
     ),
+    "charuco": Embedded(
+        "the holder's ChArUco board, uncut",
+        CharucoBoard(),
+    ),
+    "colorchecker": Embedded(
+        "a chart of 24 patches, for gonio color",
+        ColorChart(),
+    ),
 }
 """By name, in the order in which they are listed."""
 
 
 def load_material(name_or_path: str) -> Material:
-    """Return an embedded material by name, or a measured table from an npz file.
+    """Return an embedded material by name, or that of a file that gonio reads.
 
     Raises
     ------
     gonio.errors.BadInputError
         For an unknown name; the message lists the known ones.
     gonio.errors.BadFileError
-        When the file is missing or is no table.
+        When the file is missing, or none that gonio reads.
     """
     if name_or_path in EMBEDDED:
         return EMBEDDED[name_or_path].material
-    if name_or_path.endswith(".npz"):
-        return MeasuredTable.load(name_or_path)
+    if Path(name_or_path).suffix:
+        return read_material(Path(name_or_path))
     raise BadInputError(
         f"material {name_or_path!r} is not known; use {', '.join(EMBEDDED)}, "
-        "or the path of an .npz table (gonio materials shows them)"
+        "or the path of an .npz table, or of a file that gonio import reads (gonio materials shows "
+        "them)"
     )
 
 

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.board import BOARD_SIDE_MM
 from gonio.camera import Camera
 from gonio.directions import normalize
 from gonio.geometry import SAMPLE_SIDE_MM
 from sim import sensor
+from sim.board import CharucoBoard, printed_at
+from sim.chart import ColorChart
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,10 +21,6 @@ if TYPE_CHECKING:
     from gonio.geometry import ArmPose
     from gonio.protocols import Material
     from gonio.rig import CameraSpec
-
-BOARD_SIDE_MM = 130.0
-BOARD_REFLECTANCE = 0.2
-"""A plain grey board around the sample; the room beyond it is black."""
 
 _MM_PER_M = 1000.0
 
@@ -34,11 +33,14 @@ class Scene:
     ----------
     points
         Where each pixel looks, in mm, shape (height, width, 3).
+    brdf
+        Of what is there, linear sRGB in 1/sr, shape (height, width, 3).
     response
-        What each pixel's filter passes of the BRDF there, in 1/sr, shape (height, width).
+        What each pixel's filter passes of that, shape (height, width).
     """
 
     points: NDArray[np.float64]
+    brdf: NDArray[np.float64]
     response: NDArray[np.float64]
 
 
@@ -65,11 +67,17 @@ def render(
     reach = np.abs(points).max(axis=-1)
     sample = seen & (reach <= SAMPLE_SIDE_MM / 2.0)
     board = seen & ~sample & (reach <= BOARD_SIDE_MM / 2.0)
-    place = points[sample]
     brdf = np.zeros(points.shape)
-    brdf[sample] = material.evaluate(normalize(light_mm - place), normalize(eye - place))
-    brdf[board] = BOARD_REFLECTANCE / np.pi
-    return Scene(points, sensor.mosaic(brdf))
+    if isinstance(material, CharucoBoard):
+        # it has no sample in it: what is printed goes on all over
+        board |= sample
+    elif isinstance(material, ColorChart):
+        brdf[sample] = material.seen(points)[sample]
+    else:
+        place = points[sample]
+        brdf[sample] = material.evaluate(normalize(light_mm - place), normalize(eye - place))
+    brdf[board] = printed_at(points, board)[:, None]
+    return Scene(points, brdf, sensor.mosaic(brdf))
 
 
 def irradiance(points: NDArray[np.float64], lamp_mm: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -62,11 +62,13 @@ def mosaic(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
     return seen
 
 
-def read_out(
-    mean_electrons: NDArray[np.float64], random: np.random.Generator
-) -> NDArray[np.uint16]:
-    """Return raw values, with shot and read noise, clipped at WhiteLevel; shape as given."""
-    electrons = random.poisson(np.clip(mean_electrons, 0.0, _SURELY_FULL_E))
-    noisy = electrons + READ_NOISE_E * random.standard_normal(mean_electrons.shape)
+def count(mean_electrons: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
+    """Return how many electrons there truly were, with shot noise; shape as given."""
+    return random.poisson(np.clip(mean_electrons, 0.0, _SURELY_FULL_E)).astype(np.float64)
+
+
+def read_out(electrons: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.uint16]:
+    """Return raw values, with read noise, clipped at WhiteLevel; shape as given."""
+    noisy = electrons + READ_NOISE_E * random.standard_normal(electrons.shape)
     raw = np.round(BLACK_LEVEL + GAIN * noisy)
     return np.clip(raw, 0, WHITE_LEVEL).astype(np.uint16)

@@ -10,6 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from gonio.clock import VirtualClock
     from sim.led import Led
     from sim.tether import Scene, Tether
@@ -44,6 +46,7 @@ class Shutter:
         self._frame = 0
         self._opened_s = 0.0
         self._doses_s: list[float] = []
+        self._junctions_c = np.zeros(0)
 
     def open(self, exposure_us: int, scene: Scene, on_time: Callable[[], None]) -> int:
         """Open it, have `on_time` called when it is to close, and return the frame's number."""
@@ -51,6 +54,7 @@ class Shutter:
         self._opened_s = self._clock.now()
         self.closes_s = self._opened_s + exposure_us / 1e6
         self._doses_s = [led.dose_s(self._opened_s) for led in self._leds]
+        self._junctions_c = self._temperatures_c(self._opened_s)
         self.status = f"OPEN {self._frame}"
         self._clock.call_at(self.closes_s, on_time)
         self._tether.opened(self._frame, exposure_us / 1e6, scene)
@@ -62,7 +66,9 @@ class Shutter:
         doses_s = [led.dose_s(closes_s) for led in self._leds]
         flux = (np.array(doses_s) - self._doses_s) / (closes_s - self._opened_s)
         self.status = f"DONE {self._frame} " + ",".join(f"{value:.5f}" for value in flux)
-        self._tether.closed(flux)
+        # between its ends a junction's temperature is nearly a line
+        junctions_c = (self._junctions_c + self._temperatures_c(closes_s)) / 2.0
+        self._tether.closed(flux, junctions_c)
 
     def abort(self) -> None:
         """Close it, if it is open, for no frame."""
@@ -70,3 +76,6 @@ class Shutter:
             self.closes_s = math.inf
             self.status = "IDLE"
             self._tether.aborted()
+
+    def _temperatures_c(self, now: float) -> NDArray[np.float64]:
+        return np.array([led.temperature_c(now) for led in self._leds])

@@ -7,23 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.geometry import ArmPose
 from gonio.rig import AXES
+from sim.bending import bent_deg, shake_rad
 from sim.bus import TwinBus
 from sim.control import BOOT_S
 from sim.drive import Drive
+from sim.fittings import fittings_of
+from sim.imperfections import IDEAL, Imperfections
 from sim.lamp_head import LampHead
 from sim.lamp_protocol import LampProtocol
 from sim.line import TwinLine
 from sim.tether import Scene, Tether
-from sim.vibration import Vibration
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from gonio.clock import VirtualClock
+    from gonio.clock import Clock, VirtualClock
+    from gonio.geometry import ArmPose
     from gonio.rig import Axis, Rig
+    from sim.fittings import Fittings
     from sim.tether import Camera, Holder
 
 
@@ -47,6 +50,10 @@ class Twin:
     taken
         How many frames of the reference were taken before power-up, by whether it was lit and by
         exposure in us: repeats of one scene go on with new noise.
+    wires
+        The clock on which bus and line take their time; the drivers' own unless they are real.
+    imperfections
+        Of its arms.
 
     Attributes
     ----------
@@ -68,33 +75,35 @@ class Twin:
         folder: Path,
         seed: int,
         taken: Mapping[tuple[bool, int], int] | None = None,
+        wires: Clock | None = None,
+        imperfections: Imperfections = IDEAL,
     ) -> None:
         random = np.random.default_rng(seed)
         self.holder: Holder = "sample"
         self._clock = clock
         self._used: Counter[str] = Counter()
         self._taken = taken or {}
-        vibrations = {"view": Vibration(), "light": Vibration()}
+        self._imperfections = imperfections
+        self._fittings = fittings_of(rig, imperfections, seed)
         self.drives = {
-            name: _powered_up(
-                rig.axis[name], vibrations[name.partition("_")[0]], random, clock.now()
-            )
+            name: _powered_up(rig.axis[name], self._fittings[name], random, clock.now())
             for name in AXES
         }
         self.tether = Tether(camera, folder, clock, random, rig.camera.file_timeout_s)
         self.lamps = LampHead(clock, self.tether, self._scene)
-        self.line = TwinLine(LampProtocol(self.lamps), clock)
+        self.lamps.slow_down(imperfections.lamp_electronics_us)
+        self.line = TwinLine(LampProtocol(self.lamps), wires or clock)
         self.bus = TwinBus(
             {rig.axis[name].unit: self.drives[name] for name in AXES},
-            clock,
-            self._advance_drives,
+            wires or clock,
+            self.advance_drives,
             answers_for_unknown=rig.arm.transport == "tcp",
         )
 
     def set_interlock(self, is_open: bool) -> None:
         """Open the door or press the emergency stop, or put it right again."""
         now = self._clock.now()
-        self._advance_drives(now)
+        self.advance_drives(now)
         for drive in self.drives.values():
             drive.control.set_interlock(is_open, now)
         self.lamps.set_interlock(is_open)
@@ -102,11 +111,28 @@ class Twin:
     def pose(self, arm: str) -> ArmPose:
         """Return where an arm, `"view"` or `"light"`, truly is now."""
         now = self._clock.now()
-        self._advance_drives(now)
+        self.advance_drives(now)
         theta, phi = (self.drives[f"{arm}_{part}"].axis for part in ("theta", "phi"))
-        return ArmPose.from_degrees(theta.actual_deg(now), phi.actual_deg(now))
+        angles = theta.actual_deg(now), phi.actual_deg(now)
+        alignment = self._imperfections.alignment(arm)
+        return alignment.pose(*bent_deg(*angles, now, self._imperfections))
 
-    def _advance_drives(self, now: float) -> None:
+    def set_power(self, is_on: bool) -> None:
+        """Cut the drives' supply, or bring it back: they stop, and know no position then."""
+        now = self._clock.now()
+        self.advance_drives(now)
+        for drive in self.drives.values():
+            drive.power_up(now)
+        self.bus.powered = is_on
+
+    def hurry(self, times: float) -> None:
+        """Be so many times faster than whoever feeds the watchdogs: they count that one's time."""
+        for drive in self.drives.values():
+            drive.control.hurry = times
+        self.lamps.hurry = times
+
+    def advance_drives(self, now: float) -> None:
+        """Let everything happen at the drives that is due: both axes of an arm shake its end."""
         for drive in self.drives.values():
             drive.control.advance(now)
 
@@ -117,10 +143,18 @@ class Twin:
         self._used[what] += 1
         before = self._taken.get((bool(lit), exposure_us), 0) if self.holder == "reference" else 0
         number = self._used[what] + before
-        return Scene(self.holder, self.pose("view"), self.pose("light"), f"{what}|{number}")
+        view = self.pose("view")
+        shake = shake_rad(
+            "view",
+            view.theta,
+            self._fittings["view_theta"].vibration,
+            self._clock.now(),
+            1e-6 * exposure_us,
+        )
+        return Scene(self.holder, view, self.pose("light"), f"{what}|{number}", shake)
 
 
-def _powered_up(axis: Axis, vibration: Vibration, random: np.random.Generator, now: float) -> Drive:
+def _powered_up(axis: Axis, fittings: Fittings, random: np.random.Generator, now: float) -> Drive:
     """Return a drive that was switched on just long enough ago, somewhere in its travel."""
     low, high = sorted((axis.to_counts(axis.min_deg), axis.to_counts(axis.max_deg)))
-    return Drive(axis, vibration, random.uniform(low, high), now - BOOT_S)
+    return Drive(axis, fittings, random.uniform(low, high), now - BOOT_S)

@@ -6,7 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
+
+    from sim.motion import Motion
 
 MOVING = 65535
 """What the settle register says while an axis of the arm moves."""
@@ -26,8 +28,10 @@ class Vibration:
         self.axes_moving: list[Callable[[], bool]] = []
         self._kicks: list[tuple[float, float]] = []
 
-    def kick(self, time_s: float, acceleration_deg_s2: float) -> None:
-        """Add what a stop at `time_s` excites."""
+    def kick(self, axis: str, motion: Motion, counts_per_deg: float) -> None:
+        """Add what the stop of an axis excites when its motion ends."""
+        time_s = motion.end_s
+        acceleration_deg_s2 = motion.acceleration / abs(counts_per_deg)
         recent = [kick for kick in self._kicks if time_s - kick[0] < _FORGOTTEN_S]
         self._kicks = [*recent, (time_s, _URAD_PER_DEG_S2 * acceleration_deg_s2)]
 
@@ -35,10 +39,14 @@ class Vibration:
         """Return what the settle register says: the peak over the last 500 ms."""
         if any(moving() for moving in self.axes_moving):
             return MOVING
-        # between kicks the envelope only falls, so its peak is at the window's start or at a kick
-        begin = now - _WINDOW_S
-        times = [begin, *(kick_s for kick_s, _ in self._kicks if begin < kick_s <= now)]
+        times = self.window(now, (kick_s for kick_s, _ in self._kicks))
         return min(round(max(self._envelope(time_s) for time_s in times)), MOVING - 1)
+
+    @staticmethod
+    def window(now: float, kicks_s: Iterable[float]) -> list[float]:
+        """Return when the envelope may peak: from the window's start or a kick on it falls."""
+        begin = now - _WINDOW_S
+        return [begin, *(kick_s for kick_s in kicks_s if begin < kick_s <= now)]
 
     def _envelope(self, time_s: float) -> float:
         return sum(

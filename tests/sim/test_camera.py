@@ -1,46 +1,25 @@
-import io
 from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
 import pytest
-import rawpy
-import tifffile
 
 from gonio.geometry import ArmPose
 from gonio.materials import Lambertian, MeasuredTable
-from gonio.rig import default_rig
 from nnbrdf.analytic import Lambert
 from sim import sensor
 from sim.camera import SimCamera
 from sim.materials import load_material
 from sim.scene import render
 
-RIG = default_rig()
-ALL_ON = np.ones(11)
-OFF = np.zeros(11)
-NORMAL = ArmPose.from_degrees(0, 0)
-OBLIQUE = ArmPose.from_degrees(45, 0)
+from .frames import ALL_ON, NORMAL, OFF, RIG, frame, raw_of, tags_of
+
 COLOR = (0.6, 0.3, 0.1)
 XYZ_FROM_SRGB = [
     [0.4124, 0.3576, 0.1805],
     [0.2126, 0.7152, 0.0722],
     [0.0193, 0.1192, 0.9505],
 ]
-
-
-def frame(camera, *, holder="sample", view=OBLIQUE, light=NORMAL, flux=ALL_ON, s=0.2, key="frame"):
-    return camera.frame(holder=holder, view=view, light=light, flux=flux, exposure_s=s, key=key)
-
-
-def raw_of(data):
-    with rawpy.imread(io.BytesIO(data)) as raw:
-        return raw.raw_image.astype(np.float64)
-
-
-def tags_of(data):
-    with tifffile.TiffFile(io.BytesIO(data)) as tiff:
-        return {tag.code: tag.value for tag in tiff.pages[0].tags}
 
 
 def ratio(pair):
@@ -144,7 +123,9 @@ def test_the_sample_ends_at_35_mm_and_the_board_begins():
     bright = np.flatnonzero(green > 0.5 * green.max()) * 2 + 1
     # 2 px/mm about column 79.5
     assert (bright[0], bright[-1]) == (11, 149)
-    assert green[0] / green[40] == pytest.approx(0.2 / 0.8, rel=0.03)
+    # beside it is a black square, and below that the paper of a white one
+    assert green[0] / green[40] == pytest.approx(0.05 / 0.8, rel=0.1)
+    assert image[91, 0] / green[40] == pytest.approx(0.85 / 0.8, rel=0.05)
 
 
 def test_saturated_pixels_stay_at_white_level():
@@ -231,3 +212,17 @@ def test_grazing_poses(view_deg, light_deg, material):
     assert raw.shape == (160, 160)
     if view_deg[0] > 90 or light_deg[0] > 90.5:
         assert raw.max() < 1100
+
+
+def test_a_picture_that_does_not_move_is_to_the_bit_one_without_a_shake():
+    camera = SimCamera(RIG, Lambert(COLOR), 0)
+    assert frame(camera, shake_rad=np.zeros((4, 2))) == frame(camera)
+
+
+def test_a_shake_moves_each_color_over_its_own_pixels():
+    camera = SimCamera(RIG, Lambert(COLOR), 0)
+    still = frame(camera)
+    # 9 pixels to and fro: an odd number, at which its neighbor has another color
+    shaken = frame(camera, shake_rad=np.array([[0.00225, 0.0], [-0.00225, 0.0]]))
+    assert camera_rgb_per_s(shaken) == pytest.approx(camera_rgb_per_s(still), rel=2e-3)
+    assert np.abs(raw_of(shaken) - raw_of(still)).max() > 100

@@ -72,17 +72,62 @@ def test_less_current_less_light(ask):
         st.tuples(st.floats(0.01, 30.0), st.floats(0.0, 700.0), st.booleans()),
         min_size=1,
         max_size=4,
-    )
+    ),
+    st.sampled_from([0.0, 0.5, 3.0]),
 )
-def test_the_dose_is_the_integral_of_the_flux(changes):
+def test_the_dose_is_the_integral_of_the_flux(changes, electronics_s):
     led, now, total = Led(0.0), 0.0, 0.0
+    led.electronics_s = electronics_s
     for duration, current, on in changes:
         led.set(now, current_mA=current, on=on)
-        steps = 200
+        steps = 2000
         middle = [now + duration * (i + 0.5) / steps for i in range(steps)]
         total += sum(led.flux(time) for time in middle) * duration / steps
         now += duration
-    assert led.dose_s(now) == pytest.approx(total, rel=1e-4, abs=1e-9)
+    assert led.dose_s(now) == pytest.approx(total, rel=1e-4, abs=1e-6)
+
+
+@given(st.floats(1e-6, 1e-3), st.floats(0, 10), st.floats(1, 700), st.floats(1, 700))
+def test_the_light_follows_a_new_current_exponentially(time_s, units, before_mA, after_mA):
+    slow, quick = Led(0.0), Led(0.0)
+    slow.electronics_s = time_s
+    for led in (slow, quick):
+        led.set(0.0, current_mA=before_mA, on=True)
+    start = quick.flux(60.0)
+    for led in (slow, quick):
+        led.set(60.0, current_mA=after_mA)
+    end = quick.flux(60.0)
+    expected = end + (start - end) * math.exp(-units)
+    assert slow.flux(60.0 + units * time_s) == pytest.approx(expected, rel=1e-3)
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 10.0), st.floats(0.0, 700.0)), min_size=2, max_size=5))
+def test_with_slow_electronics_no_light_jumps(changes):
+    led, now = Led(0.0), 0.0
+    led.electronics_s = 3.0
+    led.set(now, on=True)
+    for duration, current in changes:
+        now += duration
+        before = led.flux(now)
+        led.set(now, current_mA=current)
+        assert led.flux(now) == pytest.approx(before, abs=1e-9)
+
+
+def test_the_camera_is_told_how_warm_lamps_and_sensor_were(ask, clock, camera):
+    light(ask, 1)
+    cool = float(ask(b"LED1:TEMP?"))
+    ask(b"TRIG:EXP 20000000")
+    clock.sleep(20.2)
+    warm = float(ask(b"LED1:TEMP?"))
+    first = camera.asked[-1]["warmth"]
+    assert first.junctions_c[0] == pytest.approx((cool + warm) / 2, abs=0.3)
+    assert (first.junctions_c[1:] == 23.0).all()
+    assert first.sensor == pytest.approx((1 - math.exp(-20 / 300)) / 2, abs=1e-3)
+    clock.sleep(600.0)
+    ask(b"TRIG:EXP 1000")
+    clock.sleep(0.2)
+    left = 2 * first.sensor * math.exp(-600.2 / 300)
+    assert camera.asked[-1]["warmth"].sensor == pytest.approx(left, rel=0.01)
 
 
 def test_an_exposure_from_open_to_done(ask, clock):
