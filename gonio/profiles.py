@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib import resources
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from gonio.errors import BadInputError
-from gonio.validation import Document
+from gonio.validation import Document, load_named
 
 BUILT_IN = ("cia402-modbus",)
+
+_REMEDY = "compare it with docs/topics/drivers.md"
 
 
 class Register(Document):
@@ -46,16 +44,9 @@ class Profile(Document):
     settle_urad: Register
 
 
-@cache
 def load_profile(name: str) -> Profile:
-    """Return a built-in register table.
+    """Return a built-in register table, or one of a file that ends in .toml.
 
-    Raises
-    ------
-    BadInputError
-        For an unknown name.
+    Errors as for `gonio.validation.load_named`.
     """
-    if name not in BUILT_IN:
-        raise BadInputError(f"drive profile {name!r} is not known; use {', '.join(BUILT_IN)}")
-    text = resources.files("gonio").joinpath(f"data/{name}.toml").read_text(encoding="utf-8")
-    return Profile.model_validate(tomllib.loads(text))
+    return load_named(Profile, name, BUILT_IN, "drive profile", _REMEDY)

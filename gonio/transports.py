@@ -5,7 +5,7 @@ A fault injector wraps any of these; a driver never knows which it has.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,3 +63,58 @@ class FrameFolder(Protocol):
 
     def set_aside(self) -> int:
         """Move away whatever lies there from an earlier run; return how many files."""
+
+
+@runtime_checkable
+class CameraPort(Protocol):
+    """A camera at the end of a cable, which keeps its files until they are deleted there."""
+
+    def connect(self) -> None:
+        """Connect, or connect anew; every other request does so where there is no connection.
+
+        Raises
+        ------
+        gonio.errors.TransportLostError
+            When there is no camera, or somebody else holds it. Any request may raise it, and the
+            next one then connects anew.
+        gonio.errors.TransportTimeoutError
+            When the camera does not answer. Any request may raise it.
+        gonio.errors.DeviceFaultError
+            When the camera refuses. Any request may raise it.
+        """
+
+    def read(self, name: str) -> str:
+        """Return the value of a setting."""
+
+    def write(self, name: str, value: str) -> None:
+        """Change a setting; a camera may take another value than it is given."""
+
+    def choices(self, name: str) -> list[str]:
+        """Return the values that a setting may have; none where it is no choice."""
+
+    def files(self) -> set[str]:
+        """Return the whole paths of the files on the camera."""
+
+    def trigger(self) -> None:
+        """Take a picture, and wait for nothing."""
+
+    def new_file(self, timeout_s: float) -> str | None:
+        """Return the whole path of a file that the camera says it has made; None when it does not.
+
+        It may come back earlier than after `timeout_s`.
+        """
+
+    def download(self, path: str, target: Path) -> int:
+        """Write a file to `target`, whole or not at all; return how long the camera says it is.
+
+        Raises
+        ------
+        gonio.errors.StorageError
+            When it cannot be written.
+        """
+
+    def delete(self, path: str) -> None:
+        """Delete a file on the camera."""
+
+    def close(self) -> None:
+        """Let go of the camera."""

@@ -9,6 +9,7 @@ from gonio.approach import first_stop_deg
 from gonio.clearance import limits_of
 from gonio.devices.axis import AxisDrive
 from gonio.devices.registers import DriveRegisters
+from gonio.devices.troubles import Troubles
 from gonio.devices.waiting import wait_until
 from gonio.errors import BadInputError, DeviceFaultError, GonioError
 from gonio.profiles import load_profile
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from gonio.clock import Clock
+    from gonio.devices.drive import DriveStatus
     from gonio.rig import Rig
     from gonio.transports import RegisterBus
 
@@ -43,15 +45,31 @@ class Arm:
         Names the register profile, and describes the axes.
     clock
         To wait on.
+    troubles
+        Told what the drivers mended by themselves.
+    underway
+        To wait on while axes are on their way, when something else may be done; the clock, unless
+        given.
     """
 
-    def __init__(self, bus: RegisterBus, rig: Rig, clock: Clock) -> None:
-        profile = load_profile(rig.arm.profile)
+    def __init__(
+        self,
+        bus: RegisterBus,
+        rig: Rig,
+        clock: Clock,
+        troubles: Troubles | None = None,
+        underway: Clock | None = None,
+    ) -> None:
+        profile, troubles = load_profile(rig.arm.profile), troubles or Troubles()
         self._rig = rig
-        self._clock = clock
+        self._clock = underway or clock
         self._axes = {
             name: AxisDrive(
-                name, rig.axis[name], DriveRegisters(bus, rig.axis[name].unit, profile), clock
+                name,
+                rig.axis[name],
+                DriveRegisters(bus, rig.axis[name].unit, profile, clock, troubles),
+                clock,
+                troubles,
             )
             for name in AXES
         }
@@ -143,7 +161,36 @@ class Arm:
 
     def angles_deg(self) -> dict[str, float]:
         """Return where all axes are by their encoders, in degrees."""
-        return {name: axis.degrees() for name, axis in self._axes.items()}
+        return {name: axis.resting_degrees() for name, axis in self._axes.items()}
+
+    def says(self, name: str) -> DriveStatus:
+        """Return what the drive of an axis says of itself; nothing is changed."""
+        return self._axes[name].says()
+
+    def check_homed(self) -> None:
+        """Refuse to go on where an axis does not know its position.
+
+        Raises
+        ------
+        gonio.errors.DeviceFaultError
+            Naming the axis.
+        """
+        for axis in self._axes.values():
+            if not axis.finds_itself_homed():
+                raise DeviceFaultError(f"{axis.name}: is not homed; home it with gonio rig home")
+
+    def interlock_is_open(self) -> bool:
+        """Return whether a door is open or an emergency stop pressed, by any of the drives."""
+        return any(axis.interlock_is_open() for axis in self._axes.values())
+
+    def attend(self) -> None:
+        """Let the drives' watchdogs hear that the host lives (errors as for `enable`)."""
+        for axis in self._axes.values():
+            axis.attend()
+
+    def try_to_stop(self) -> None:
+        """Send every axis its quick stop at once and only once, and wait for none."""
+        self._each(AxisDrive.try_to_stop)
 
     def stop(self) -> None:
         """Stop all axes on the quickest ramp; they end disabled.
@@ -153,7 +200,7 @@ class Arm:
         gonio.errors.DeviceFaultError
             The first of what failed, after every axis was told to stop.
         """
-        self._each(AxisDrive.begin_stop, AxisDrive.end_stop)
+        self._each(AxisDrive.try_to_stop, AxisDrive.begin_stop, AxisDrive.end_stop)
 
     def release(self) -> None:
         """Disable all axes (errors as for `stop`)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from gonio.devices.drive import Drive
+from gonio.devices.drive import IDLE_WATCHDOG_MS, Drive
 from gonio.devices.states import (
     ACKNOWLEDGED,
     ENABLE_OPERATION,
@@ -24,14 +24,16 @@ from gonio.timemodel import move_time
 if TYPE_CHECKING:
     from gonio.clock import Clock
     from gonio.devices.registers import DriveRegisters
+    from gonio.devices.troubles import Troubles
     from gonio.rig import Axis
 
 # a drive that is asked nothing for so long while it moves stops by itself: the host is gone
 _WATCHDOG_MS = 3000
+_READINGS = 3
 
 
 class AxisDrive(Drive):
-    """A drive that homes its axis and moves it (parameters as for `Drive`).
+    """A drive that homes its axis and moves it (parameters as for `Drive` and `Arm`).
 
     Attributes
     ----------
@@ -39,8 +41,11 @@ class AxisDrive(Drive):
         Whether the drive has said that it knows its position.
     """
 
-    def __init__(self, name: str, spec: Axis, registers: DriveRegisters, clock: Clock) -> None:
+    def __init__(
+        self, name: str, spec: Axis, registers: DriveRegisters, clock: Clock, troubles: Troubles
+    ) -> None:
         super().__init__(name, spec, registers, clock)
+        self._troubles = troubles
         self.homed = False
         self._target_deg = math.nan
 
@@ -48,20 +53,40 @@ class AxisDrive(Drive):
         """Return the residual vibration of the axis' arm."""
         return self._registers.read("settle_urad")
 
+    def resting_degrees(self) -> float:
+        """Return the angle by the encoder; what is not where the axis was sent is read again."""
+        angle = self.degrees()
+        for _ in range(_READINGS):
+            off = abs(angle - self._target_deg)
+            # without a target there is nothing to compare with
+            if not off > self.spec.in_position_deg:
+                break
+            before, angle = angle, self.degrees()
+            if abs(angle - self._target_deg) <= self.spec.in_position_deg:
+                what = f"{self.name}: a reading of {before:.2f} deg where {angle:.2f} deg is"
+                self._troubles.note(what, "read again")
+        return angle
+
     def begin_homing(self, *, anew: bool = False) -> bool:
         """Start homing, unless the position is known and not to be found anew.
 
         Returns whether it was started.
         """
-        self._set_mode(HOMING)
-        self.homed = self._knows_position() and not anew
-        if self.homed:
-            self._set_mode(PROFILE_POSITION)
+        if self.finds_itself_homed() and not anew:
             return False
+        self.homed = False
+        self._set_mode(HOMING)
         self._registers.write("watchdog_ms", _WATCHDOG_MS)
         # bit 4 stays at 1 until homing is over; clearing it interrupts
         self._registers.write("controlword", START)
         return True
+
+    def finds_itself_homed(self) -> bool:
+        """Ask the drive whether it knows its position, which it tells in homing mode."""
+        self._set_mode(HOMING)
+        self.homed = self._knows_position()
+        self._set_mode(PROFILE_POSITION)
+        return self.homed
 
     def has_homed(self) -> bool:
         """Return whether homing is over, and go back to profile position mode when it is.
@@ -71,10 +96,12 @@ class AxisDrive(Drive):
         gonio.errors.DeviceFaultError
             When homing failed or the drive is no longer enabled.
         """
+        if self._status_in_operation() & HOMING_ERROR:
+            raise self.fault("homing failed")
         self.homed = self._knows_position()
         if self.homed:
             self._registers.write("controlword", ENABLE_OPERATION)
-            self._registers.write("watchdog_ms", 0)
+            self._registers.write("watchdog_ms", IDLE_WATCHDOG_MS)
             self._set_mode(PROFILE_POSITION)
         return self.homed
 
@@ -133,13 +160,10 @@ class AxisDrive(Drive):
             return False
         if abs(self.degrees() - self._target_deg) > self.spec.in_position_deg:
             return False
-        self._registers.write("watchdog_ms", 0)
+        self._registers.write("watchdog_ms", IDLE_WATCHDOG_MS)
         return True
 
     def _knows_position(self) -> bool:
         """Return whether homing is attained, which is read in homing mode."""
-        status = self._status_in_operation()
-        if status & HOMING_ERROR:
-            raise self.fault("homing failed")
         known = TARGET_REACHED | HOMING_ATTAINED
-        return status & known == known
+        return self._status_in_operation() & (known | HOMING_ERROR) == known

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from gonio.devices.faults import cause_of
+from gonio.devices.faults import INTERLOCK_OPEN, cause_of
 from gonio.devices.states import (
     DISABLE_VOLTAGE,
     MOVING_BY_ITSELF,
@@ -24,9 +24,32 @@ if TYPE_CHECKING:
     from gonio.devices.registers import DriveRegisters
     from gonio.rig import Axis
 
+IDLE_WATCHDOG_MS = 60_000
+"""A drive that holds its axis lets go when it hears nothing for so long: the host is gone."""
+
 _POLL_S = 0.02
 _STEP_TIMEOUT_S = 5.0
 _MAX_STEPS = 12
+
+
+class DriveStatus(NamedTuple):
+    """What a drive says of itself.
+
+    Attributes
+    ----------
+    state
+        One of the eight of CiA 402.
+    cause, remedy
+        What keeps it from work, in words, and what to do about it; the remedy is empty where
+        nothing does.
+    degrees
+        By the encoder; it means nothing before the axis is homed.
+    """
+
+    state: str
+    cause: str
+    remedy: str
+    degrees: float
 
 
 class Drive:
@@ -75,9 +98,17 @@ class Drive:
             raise self.fault("does not get enabled")
         self._set_mode(PROFILE_POSITION)
         scale = abs(self.spec.counts_per_deg)
-        self._set("watchdog_ms", 0)
+        self._set("watchdog_ms", IDLE_WATCHDOG_MS)
         self._set("profile_velocity", max(int(self.spec.max_velocity_deg_s * scale), 1))
         self._set("profile_acceleration", max(int(self.spec.max_acceleration_deg_s2 * scale), 1))
+
+    def attend(self) -> None:
+        """Ask for no more than that the watchdog hears of it."""
+        self._registers.read("statusword")
+
+    def try_to_stop(self) -> None:
+        """Send a quick stop at once and only once: others wait for theirs."""
+        self._registers.try_to_write("controlword", QUICK_STOP)
 
     def begin_stop(self) -> None:
         """Stop on the quickest ramp, which ends disabled."""
@@ -98,6 +129,19 @@ class Drive:
     def release(self) -> None:
         """Disable the drive."""
         self._registers.write("controlword", DISABLE_VOLTAGE)
+
+    def says(self) -> DriveStatus:
+        """Ask the drive how it is, and change nothing (errors as for `enable`)."""
+        state = self._state()
+        cause, remedy = cause_of(self._registers)
+        well = cause.startswith("drive is in")
+        return DriveStatus(
+            state.value, "no fault" if well else cause, "" if well else remedy, self.degrees()
+        )
+
+    def interlock_is_open(self) -> bool:
+        """Return whether the drive says so."""
+        return bool(self._registers.read("digital_inputs") & INTERLOCK_OPEN)
 
     def fault(self, what: str) -> DeviceFaultError:
         """Say what happened, why as far as the drive tells, where, and what to do."""

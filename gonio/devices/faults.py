@@ -15,7 +15,7 @@ _ERRORS = {
     0x7500: ("communication lost, the drive's watchdog stopped it", "check the bus cable"),
     0x8611: ("following error", "find what blocks or drags the arm"),
 }
-_NEGATIVE_LIMIT, _POSITIVE_LIMIT, _INTERLOCK_OPEN = 0x1, 0x2, 0x8
+_NEGATIVE_LIMIT, _POSITIVE_LIMIT, INTERLOCK_OPEN = 0x1, 0x2, 0x8
 
 
 def cause_of(registers: DriveRegisters) -> tuple[str, str]:
@@ -25,7 +25,7 @@ def cause_of(registers: DriveRegisters) -> tuple[str, str]:
     if code:
         words, remedy = _ERRORS.get(code, ("see the drive's manual", "follow the drive's manual"))
         return f"error 0x{code:04X}, {words}", remedy
-    if inputs & _INTERLOCK_OPEN:
+    if inputs & INTERLOCK_OPEN:
         return "interlock open", "close the door or release the emergency stop"
     if inputs & (_NEGATIVE_LIMIT | _POSITIVE_LIMIT):
         end = "negative" if inputs & _NEGATIVE_LIMIT else "positive"

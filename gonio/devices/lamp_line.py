@@ -1,4 +1,4 @@
-"""Questions and answers with a lamp head that speaks `lamps-1`."""
+"""Questions and answers with a lamp head."""
 
 from __future__ import annotations
 
@@ -8,24 +8,14 @@ from functools import reduce
 from operator import xor
 from typing import TYPE_CHECKING
 
+from gonio.devices.patience import Patience
 from gonio.errors import DeviceFaultError, TransportTimeoutError
 
 if TYPE_CHECKING:
     from gonio.clock import Clock
+    from gonio.devices.troubles import Troubles
+    from gonio.dialects import Dialect
     from gonio.transports import SerialLine
-
-BUSY = 500
-GARBLED = (100, 101)
-"""What the head says of a request that the line has spoiled; it did not carry it out."""
-
-REMEDIES = {
-    300: ("over-temperature", "let the lamp cool below 70 deg C and check its cooling"),
-    301: ("open circuit", "check the lamp and its cable"),
-    350: ("too many errors to keep", "look for noise on the line"),
-    400: ("interlock open", "close the door or release the emergency stop"),
-    500: ("camera busy", "check the camera and its tethering"),
-}
-"""Errors that a person can do something about."""
 
 # the head answers within 200 ms
 _TIMEOUT_S = 0.5
@@ -44,32 +34,43 @@ class LampRefusedError(DeviceFaultError):
         The head's error code.
     """
 
-    def __init__(self, command: str, code: int, text: str) -> None:
-        words, remedy = REMEDIES.get(code, (text.lower(), "check the head's firmware"))
+    def __init__(self, command: str, code: int, text: str, dialect: Dialect) -> None:
+        known = dialect.errors.get(code)
+        words, remedy = (
+            (known.words, known.remedy) if known else (text.lower(), "check the head's firmware")
+        )
         super().__init__(f"lamps: {command} was refused ({code}, {words}); {remedy}, then resume")
         self.code = code
 
 
 class LampLine:
-    """Numbered and checksummed requests, one at a time.
+    """Requests, one at a time, numbered and checksummed where the head's dialect has that.
 
     Parameters
     ----------
     line
         The serial line.
+    dialect
+        What the head understands.
     clock
         To measure time on.
+    troubles
+        Told what was asked again.
     """
 
-    def __init__(self, line: SerialLine, clock: Clock) -> None:
+    def __init__(
+        self, line: SerialLine, dialect: Dialect, clock: Clock, troubles: Troubles
+    ) -> None:
+        self.dialect = dialect
         self._line = line
         self._clock = clock
+        self._patience = Patience(clock, troubles, self._is_garbled)
         self._number = 0
 
     def ask(self, command: str) -> str:
         """Return the answer to a command that may be carried out twice.
 
-        What is lost or spoiled on the line is sent once more.
+        What is lost or spoiled on the line is sent again.
 
         Raises
         ------
@@ -77,15 +78,10 @@ class LampLine:
             When the head answers with an error.
         gonio.errors.TransportTimeoutError
             When no answer comes.
+        gonio.errors.TransportLostError
+            When the port is gone and stays so.
         """
-        try:
-            return self.ask_once(command)
-        except TransportTimeoutError:
-            return self.ask_once(command)
-        except LampRefusedError as refused:
-            if refused.code not in GARBLED:
-                raise
-            return self.ask_once(command)
+        return self._patience.ask(lambda: self.ask_once(command))
 
     def command(self, command: str) -> None:
         """Give a command that is answered with OK (errors as for `ask`)."""
@@ -95,14 +91,22 @@ class LampLine:
 
     def ask_once(self, command: str) -> str:
         """Return the answer to a command that is sent only once (errors as for `ask`)."""
-        self._number = (self._number + 1) % 100
-        request = b"#%d %s" % (self._number, command.encode("ascii"))
-        self._line.send(request + b"*%02X" % reduce(xor, request))
+        self._line.send(self._framed(command.encode("ascii")))
         text = self._answer()
         error = _ERROR.fullmatch(text)
         if error:
-            raise LampRefusedError(command, int(error[1]), error[2])
+            raise LampRefusedError(command, int(error[1]), error[2], self.dialect)
         return text
+
+    def _framed(self, command: bytes) -> bytes:
+        if self.dialect.framing == "plain":
+            return command
+        self._number = (self._number + 1) % 100
+        request = b"#%d %s" % (self._number, command)
+        return request + b"*%02X" % reduce(xor, request)
+
+    def _is_garbled(self, fault: DeviceFaultError) -> bool:
+        return isinstance(fault, LampRefusedError) and fault.code in self.dialect.garbled
 
     def _answer(self) -> str:
         """Return the answer to the open request, passing over late and spoiled ones."""
@@ -117,6 +121,8 @@ class LampLine:
 
     def _own_text(self, answer: bytes) -> str | None:
         """Return what an answer says to the open request, or None when it is spoiled or old."""
+        if self.dialect.framing == "plain":
+            return answer.decode("ascii") if answer.isascii() else None
         parts = _ANSWER.fullmatch(answer)
         if parts is None or not answer.isascii():
             return None

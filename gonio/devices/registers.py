@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gonio.errors import TransportTimeoutError
+from gonio.devices.patience import Patience
+from gonio.errors import DeviceFaultError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from gonio.clock import Clock
+    from gonio.devices.troubles import Troubles
     from gonio.profiles import Profile, Register
     from gonio.transports import RegisterBus
 
@@ -30,8 +33,8 @@ def from_words(words: Sequence[int], *, signed: bool) -> int:
 class DriveRegisters:
     """The registers of one unit.
 
-    A lost reply says nothing about execution, so a write is read back before it is repeated;
-    whatever is lost twice raises `gonio.errors.TransportTimeoutError`.
+    A lost reply says nothing about execution, so a write is read back before it is repeated
+    (errors as for `gonio.devices.patience.Patience.ask`).
 
     Parameters
     ----------
@@ -41,31 +44,49 @@ class DriveRegisters:
         The drive's unit id.
     profile
         Which register holds what.
+    clock, troubles
+        To wait on, and who is told what was asked again.
     """
 
-    def __init__(self, bus: RegisterBus, unit: int, profile: Profile) -> None:
+    def __init__(
+        self, bus: RegisterBus, unit: int, profile: Profile, clock: Clock, troubles: Troubles
+    ) -> None:
         self._bus = bus
+        self._patience = Patience(clock, troubles)
         self._unit = unit
         self._profile = profile
 
     def read(self, name: str) -> int:
         """Read an object by its name in the profile."""
         register = self._register(name)
-        try:
-            words = self._bus.read(self._unit, register.address, register.words)
-        except TransportTimeoutError:
-            words = self._bus.read(self._unit, register.address, register.words)
+        words = self._patience.ask(lambda: self._words(register))
         return from_words(words, signed=register.type == "int32")
 
     def write(self, name: str, value: int) -> None:
         """Write an object by its name in the profile."""
         register = self._register(name)
         words = to_words(value, register.words)
-        try:
-            self._bus.write(self._unit, register.address, words)
-        except TransportTimeoutError:
-            if self._bus.read(self._unit, register.address, register.words) != words:
+        sent = False
+
+        def make_sure() -> None:
+            nonlocal sent
+            if not sent or self._words(register) != words:
+                sent = True
                 self._bus.write(self._unit, register.address, words)
+
+        self._patience.ask(make_sure)
+
+    def try_to_write(self, name: str, value: int) -> bool:
+        """Write once and return whether that was answered well; nothing is sent again."""
+        register = self._register(name)
+        try:
+            self._bus.write(self._unit, register.address, to_words(value, register.words))
+        except DeviceFaultError:
+            return False
+        return True
+
+    def _words(self, register: Register) -> list[int]:
+        return self._bus.read(self._unit, register.address, register.words)
 
     def _register(self, name: str) -> Register:
         register: Register = getattr(self._profile, name)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from gonio.devices.lamp_line import BUSY, GARBLED, LampRefusedError, number
-from gonio.errors import DeviceFaultError, TransportTimeoutError
+from gonio.devices.lamp_line import LampRefusedError, number
+from gonio.errors import DeviceFaultError, TransportLostError, TransportTimeoutError
 
 if TYPE_CHECKING:
     from gonio.clock import Clock
@@ -48,27 +48,34 @@ class Shutter:
         Says the head's watchdog and the camera's file timeout.
     clock
         To wait on.
+
+    Attributes
+    ----------
+    silence_s
+        How long the head may be left unasked.
     """
 
     def __init__(self, line: LampLine, rig: Rig, clock: Clock) -> None:
         self._line = line
+        self._dialect = line.dialect
         self._clock = clock
         self._file_timeout_s = rig.camera.file_timeout_s
         # a head that hears nothing takes the host for dead and switches its lamps off
-        self._silence_s = rig.lamps.watchdog_ms / 3000.0 or _LONGEST_SILENCE_S
+        self.silence_s = rig.lamps.watchdog_ms / 3000.0 or _LONGEST_SILENCE_S
         self._last_frame: int | None = None
 
     def reset(self) -> None:
         """Close a shutter that an earlier run left open, and note which frame was the last."""
-        self._line.command("TRIG:ABRT")
+        self._line.command(self._dialect.abort)
         self._last_frame = self.status().frame
 
     def status(self) -> ShutterStatus:
         """Ask the head."""
-        state, *rest = self._line.ask("TRIG:STAT?").split(" ")
-        frame = int(number(rest[0], "TRIG:STAT?")) if rest else None
+        question = self._dialect.exposure
+        state, *rest = self._line.ask(question).split(" ")
+        frame = int(number(rest[0], question)) if rest else None
         values = rest[1].split(",") if len(rest) > 1 else ()
-        return ShutterStatus(state, frame, tuple(number(value, "TRIG:STAT?") for value in values))
+        return ShutterStatus(state, frame, tuple(number(value, question) for value in values))
 
     def open(self, exposure_s: float) -> int:
         """Open it and return the frame's number; while the camera is busy, ask again.
@@ -99,7 +106,7 @@ class Shutter:
         deadline_s = closes_s + _SLACK * exposure_s + _SLACK_S
         while True:
             left_s = max(closes_s - self._clock.now(), _DONE_POLL_S)
-            self._clock.sleep(min(left_s, self._silence_s))
+            self._clock.sleep(min(left_s, self.silence_s))
             status = self.status()
             if status.frame != frame or status.state not in ("OPEN", "DONE"):
                 raise DeviceFaultError(
@@ -116,8 +123,8 @@ class Shutter:
 
     def _try_to_open(self, exposure_us: int, *, is_last: bool) -> int | None:
         try:
-            answer = self._line.ask_once(f"TRIG:EXP {exposure_us}")
-        except TransportTimeoutError:
+            answer = self._line.ask_once(self._dialect.expose.format(us=exposure_us))
+        except (TransportTimeoutError, TransportLostError):
             # whether it opened is not known; a second exposure would be another frame
             frame = self.status().frame
             if frame is not None and frame != self._last_frame:
@@ -126,7 +133,7 @@ class Shutter:
                 raise
             return None
         except LampRefusedError as refused:
-            if is_last or refused.code not in (BUSY, *GARBLED):
+            if is_last or refused.code not in (self._dialect.busy, *self._dialect.garbled):
                 raise
             return None
-        return int(number(answer.removeprefix("OK "), "TRIG:EXP"))
+        return int(number(answer.removeprefix("OK "), self._dialect.expose))

@@ -1,34 +1,11 @@
-import numpy as np
 import pytest
 
 from gonio.clock import VirtualClock
 from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
 from gonio.errors import TransportTimeoutError
 from gonio.rig import Rig, default_rig
-from sim.dng import dng_bytes
 from sim.twin import Twin
-
-DNG = dng_bytes(
-    np.arange(64, dtype=np.uint16).reshape(8, 8),
-    black=0,
-    white=65535,
-    exposure_s=0.1,
-    iso=100,
-    color_matrix=np.eye(3),
-    as_shot_neutral=np.ones(3),
-    camera_model="test",
-    unique_id="0" * 32,
-)
-
-
-class TinyCamera:
-    """Makes whole, tiny files."""
-
-    def __init__(self):
-        self.data = DNG
-
-    def frame(self, **scene):
-        return self.data
+from tests.tiny import TinyCamera
 
 
 class TroubledBus:
@@ -113,7 +90,7 @@ class Bench:
         self.line = TroubledLine(self.twin.line)
         self.arm = Arm(self.bus, self.rig, self.clock)
         self.lamps = LampHead(self.line, self.rig, self.clock)
-        self.camera = FolderCamera(LocalFolder(self.folder), self.rig, self.clock)
+        self.camera = FolderCamera(LocalFolder(self.folder), self.lamps, self.rig, self.clock)
 
     def homed(self):
         self.arm.enable()

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from gonio.devices import AttendedClock
 from gonio.errors import BadInputError, DeviceFaultError
 from gonio.rig import AXES
 from gonio.timemodel import move_time
@@ -18,7 +19,7 @@ def test_enabling_takes_one_transition_at_a_time(bench):
     for unit in (1, 2, 3, 4):
         assert bench.bus.controlwords(unit) == [0x06, 0x07, 0x0F]
         assert bench.twin.bus.read(unit, 0x0003, 1) == [1]
-        assert bench.twin.bus.read(unit, 0x0010, 1) == [0]
+        assert bench.twin.bus.read(unit, 0x0010, 1) == [60_000]
     assert bench.twin.bus.read(1, 0x0008, 4) == [0, 40000, 0, 40000]
     assert bench.twin.bus.read(2, 0x0008, 4) == [0, 60000, 0, 60000]
 
@@ -107,13 +108,15 @@ def test_a_move_to_where_the_arm_is_takes_no_time(homed):
     assert homed.clock.now() - began < 0.2
 
 
-def test_drives_watch_over_the_host_while_they_move_and_only_then(homed):
+def test_drives_watch_over_the_host_closely_while_they_move(homed):
     homed.at(0.5, lambda: watched.extend(drive.control.watchdog_ms for drive in drives))
     watched, drives = [], homed.twin.drives.values()
     homed.arm.move(POSE)
     assert watched == [3000] * 4
-    homed.clock.sleep(1000.0)
+    AttendedClock(homed.clock, homed.arm.attend).sleep(1000.0)
     assert homed.states() == [ENABLED] * 4
+    homed.clock.sleep(61.0)  # as a host that died
+    assert ENABLED not in homed.states()
 
 
 def test_a_host_that_dies_leaves_no_axis_moving(homed):

@@ -172,7 +172,7 @@ def test_an_interlock_that_opens_while_homing(bench):
 
 def test_a_drive_that_is_not_there(make_bench, rig_with):
     bench = make_bench(rig_with("axis.light_phi", unit=9), rig_with("axis.light_phi", unit=4))
-    with pytest.raises(RegisterError, match=r"unit 9, .*exception 11"):
+    with pytest.raises(RegisterError, match=r"unit 9, .*exception 11; no drive answers there"):
         bench.arm.enable()
 
 
@@ -205,8 +205,18 @@ def test_a_bus_that_stays_silent(homed, lose):
         homed.arm.move(POSE)
 
 
-def test_stop_tells_every_axis_even_when_one_is_silent(homed, lose):
-    homed.bus.plan = dict.fromkeys(range(2), lose["request"])
+def test_stop_tells_every_axis_within_a_second_even_when_one_is_silent(homed, lose, monkeypatch):
+    told_s, write = {}, homed.bus.write
+
+    def silent_unit_1(unit, address, values):
+        if unit == 1:
+            return lose["request"](None)
+        told_s.setdefault(unit, homed.clock.now())
+        return write(unit, address, values)
+
+    monkeypatch.setattr(homed.bus, "write", silent_unit_1)
+    began_s = homed.clock.now()
     with pytest.raises(TransportTimeoutError):
         homed.arm.stop()
     assert homed.states()[1:] == [DISABLED] * 3
+    assert max(told_s.values()) - began_s < 1.0
