@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from pydantic import AwareDatetime, Field, ValidationError
 
 from gonio.errors import BadFileError, StorageError
+from gonio.journalfile import NO_JOURNAL, connect_reading, connect_writing, has_hashes
+from gonio.rowchain import START, Row, break_in, followed, row_sha256
 from gonio.validation import Document, describe
 
 if TYPE_CHECKING:
@@ -19,16 +21,7 @@ if TYPE_CHECKING:
 
     from gonio.clock import Clock
 
-_TABLE = """
-CREATE TABLE IF NOT EXISTS event (
-    id INTEGER PRIMARY KEY AUTOINCREMENT,
-    at_s REAL NOT NULL,
-    utc TEXT NOT NULL,
-    kind TEXT NOT NULL,
-    data TEXT NOT NULL
-)
-"""
-_REMEDY = "give the folder of a session that gonio capture made"
+_INSERT = "INSERT INTO event (id, at_s, utc, kind, data, sha256) VALUES (?, ?, ?, ?, ?, ?)"
 _MEND = "put a copy of the file back, or measure anew into another folder"
 
 D = TypeVar("D", bound=Document)
@@ -93,7 +86,7 @@ class Event(Document):
 
 
 class Journal:
-    """SQLite in write-ahead mode, every event synced before `append` returns.
+    """SQLite in write-ahead mode, every event synced before `append` returns unless told otherwise.
 
     Parameters
     ----------
@@ -102,6 +95,8 @@ class Journal:
     writing
         Whether events are to be added; then it is made when missing. Otherwise nothing is written,
         not even beside it, and it may lie where nothing can be.
+    synced
+        Whether events are to outlive a power cut; those of a rehearsal need not.
 
     Raises
     ------
@@ -111,19 +106,22 @@ class Journal:
         When the operating system refuses, as on a full disk.
     """
 
-    def __init__(self, path: Path, *, writing: bool = False) -> None:
+    def __init__(self, path: Path, *, writing: bool = False, synced: bool = True) -> None:
         self.path = path
         try:
-            self._connection = _writer(path) if writing else _reader(path)
+            self._connection = (
+                connect_writing(path, synced=synced) if writing else connect_reading(path)
+            )
         except sqlite3.OperationalError as error:
             # of SQLite's errors the one for what the operating system refused, a full disk first
             remedy = (
-                "check the disk's free space, the folder and its permissions" if writing
+                "another program holds it; close that" if "locked" in str(error)
+                else "check the disk's free space, the folder and its permissions" if writing
                 else "copy the session to a folder that can be written, and use the copy"
             )  # fmt: skip
             raise StorageError(f"{path}: cannot be opened ({error}); {remedy}") from None
         except sqlite3.DatabaseError as error:
-            raise BadFileError(path, f"is not a journal ({error})", _REMEDY) from None
+            raise BadFileError(path, f"is not a journal ({error})", NO_JOURNAL) from None
 
     def __enter__(self) -> Journal:
         return self
@@ -141,7 +139,7 @@ class Journal:
         self._connection.close()
 
     def append(self, clock: Clock, kind: str, **data: Any) -> None:
-        """Add an event and sync it to the disk.
+        """Add an event, on the disk when this returns.
 
         Raises
         ------
@@ -161,18 +159,53 @@ class Journal:
         self._insert(last.at_s, last.utc, "rejected", {"file": file, "problem": problem})
 
     def _insert(self, at_s: float, utc: datetime, kind: str, data: dict[str, Any]) -> None:
-        row = (at_s, utc.isoformat(), kind, json.dumps(data, sort_keys=True))
+        text = json.dumps(data, sort_keys=True)
         try:
-            self._connection.execute(
-                "INSERT INTO event (at_s, utc, kind, data) VALUES (?, ?, ?, ?)", row
-            )
+            row = Row(self._written() + 1, float(at_s), utc.isoformat(), kind, text)
+            row = row._replace(sha256=row_sha256(self._last_sha256(), row))
+            self._connection.execute(_INSERT, row)
         except sqlite3.Error as error:
             raise StorageError(
                 f"{self.path}: cannot be written ({error}); free some space and resume"
             ) from error
 
-    def events(self, kind: str | None = None) -> Iterator[Event]:
-        """Iterate over the events in order, of one kind or all.
+    def check_chain(self) -> None:
+        """Refuse a journal whose rows are not all there as they were written.
+
+        Raises
+        ------
+        BadFileError
+            Naming the first record that was changed, moved or removed, or where it is damaged.
+        """
+        try:
+            problem = break_in(self._rows(), self._written())
+        except sqlite3.DatabaseError as error:
+            problem = f"is damaged ({error})"
+        if problem is not None:
+            raise BadFileError(self.path, problem, _MEND)
+
+    def _rows(self) -> Iterator[Row]:
+        sha256 = "sha256" if has_hashes(self._connection) else "NULL"
+        query = f"SELECT id, at_s, utc, kind, data, {sha256} FROM event ORDER BY id"
+        return map(Row._make, self._connection.execute(query))
+
+    def _written(self) -> int:
+        """Return how many rows were ever written, whatever became of them."""
+        row = self._connection.execute(
+            "SELECT seq FROM sqlite_sequence WHERE name = 'event'"
+        ).fetchone()
+        return row[0] if row else 0
+
+    def _last_sha256(self) -> str:
+        # read anew each time: a reduction between two rounds adds rows through a journal of its own
+        query = "SELECT sha256 FROM event ORDER BY id DESC LIMIT 1"
+        (stated,) = self._connection.execute(query).fetchone() or (START,)
+        if stated is None:  # the last row of a journal of before rows had hashes
+            *_, (_, stated) = followed(self._rows())
+        return str(stated)
+
+    def events(self, kind: str | None = None, after: int = 0) -> Iterator[Event]:
+        """Iterate over the events in order, of one kind or all, beyond the id `after`.
 
         Raises
         ------
@@ -180,11 +213,12 @@ class Journal:
             When the file is damaged, naming the record.
         """
         query = (
-            "SELECT id, at_s, utc, kind, data FROM event WHERE ? IS NULL OR kind = ? ORDER BY id"
+            "SELECT id, at_s, utc, kind, data FROM event "
+            "WHERE id > ? AND (? IS NULL OR kind = ?) ORDER BY id"
         )
         place = "before its first record"
         try:
-            for row in self._connection.execute(query, (kind, kind)):
+            for row in self._connection.execute(query, (after, kind, kind)):
                 event = self._event(*row)
                 place = f"after record {event.id}"
                 yield event
@@ -193,7 +227,11 @@ class Journal:
 
     def frames(self) -> list[FrameRecord]:
         """Return the frames recorded so far, in order (errors as for `events`)."""
-        return [self._checked(FrameRecord, event.data, event.id) for event in self.events("frame")]
+        return [self.frame_of(event) for event in self.events("frame")]
+
+    def frame_of(self, event: Event) -> FrameRecord:
+        """Return the frame that an event of that kind records (errors as for `events`)."""
+        return self._checked(FrameRecord, event.data, event.id)
 
     def rejected(self) -> set[str]:
         """Return the files of the frames that are of no use (errors as for `events`)."""
@@ -215,25 +253,3 @@ class Journal:
         except ValidationError as error:
             problem = f"record {number} is damaged: {describe(error)}"
             raise BadFileError(self.path, problem, _MEND) from None
-
-
-def _writer(path: Path) -> sqlite3.Connection:
-    connection = sqlite3.connect(path, isolation_level=None)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = FULL")
-    connection.execute(_TABLE)
-    return connection
-
-
-def _reader(path: Path) -> sqlite3.Connection:
-    if not path.is_file():
-        raise BadFileError(path, "no such file", _REMEDY)
-    ahead = path.with_name(f"{path.name}-wal")
-    # a killed capture leaves events there; without them, SQLite needs no files of its own beside it
-    is_whole = not ahead.is_file() or not ahead.stat().st_size
-    mode = "mode=ro&immutable=1" if is_whole else "mode=ro"
-    connection = sqlite3.connect(f"{path.resolve().as_uri()}?{mode}", uri=True)
-    if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'event'").fetchone():
-        connection.close()
-        raise BadFileError(path, "holds no events yet", "resume the capture")
-    return connection

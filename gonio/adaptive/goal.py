@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
 from gonio.errors import ResumeRefusedError
 from gonio.files import sha256_file
-from gonio.validation import Document, check
+from gonio.validation import Document, check, within
 
 if TYPE_CHECKING:
     from gonio.clock import Clock
@@ -37,10 +37,10 @@ class Goal(Document):
         Whole path and content of the prior's file; empty for the generated one.
     """
 
-    until: float = Field(default=0.05, gt=0, le=10)
+    until: Annotated[float, within(1e-6, 10)] = 0.05
     batch: int = Field(default=16, ge=1, le=6561)
     max_shots: int | None = Field(default=None, ge=8)
-    hours: float | None = Field(default=None, gt=0)
+    hours: Annotated[float, within(1e-3, 1e5)] | None = None
     prior: str = ""
     prior_sha256: str = ""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from gonio.session import Session
 
-_AT_WORK = ("homed", "frame", "finished")
+_AT_WORK = ("homed", "frame", "fault", "stopped", "finished")
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Rounds:
         """Return the next plan, of fewer shots where time is short; None where none fits."""
         left_s = self._goal.seconds - rig_time(self._journal.events())
         while shots >= 1:
-            plan = standing.next_plan(shots, **self._choice)
+            plan = standing.next_plan(shots, at_once=True, **self._choice)
             takes_s = plan.estimates.total_s
             if takes_s <= left_s:
                 return plan
@@ -156,5 +156,6 @@ def rig_time(events: Iterable[Event]) -> float:
     for event in events:
         if last is not None and event.kind in _AT_WORK:
             total += event.at_s - last
-        last = event.at_s
+        # whatever ends a pause, it was no work
+        last = None if event.kind == "paused" else event.at_s
     return total

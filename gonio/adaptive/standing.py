@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gonio.directions import from_degrees
+from gonio.rig import AXES
 from nnbrdf.prior.conditioned import ConditionedPrior
 from nnbrdf.prior.geometry import Pairs
 from nnbrdf.prior.ground import Grounds
@@ -90,7 +91,9 @@ class Standing:
         """Mean posterior standard deviation of ln(f + 0.01 white) over the 81 x 81 pairs."""
         return self.belief.deviation
 
-    def next_plan(self, shots: int, **choice: Any) -> Plan:
+    def next_plan(
+        self, shots: int, *, at_once: bool = False, exactly: bool = False, **choice: Any
+    ) -> Plan:
         """Choose the next shots: those that leave least unknown of this material.
 
         Pairs that were measured are not chosen again, nor their reverses where the material keeps
@@ -100,6 +103,10 @@ class Standing:
         ----------
         shots
             How many; of fewer that are left, all.
+        at_once
+            Whether the rig, just done with the shots before, goes on without being homed again.
+        exactly
+            Whether to refuse where fewer are left.
         choice
             More of `planner.make.make_plan`: candidates, criterion, demand, timing, bracket.
 
@@ -111,8 +118,9 @@ class Standing:
         # `choice` may say bracket="predicted": then exposures come from `self.belief.expected`
         plan = make_further_plan(
             self.session.rig(),
-            self._before(),
+            self._before(at_once),
             shots,
+            exactly=exactly,
             prior=lambda: self.belief,
             **({"criterion": "i-optimal"} | choice),
         )
@@ -124,7 +132,8 @@ class Standing:
         }
         return plan.model_copy(update={"selection": plan.selection.model_copy(update=told)})
 
-    def _before(self) -> Before:
+    def _before(self, at_once: bool) -> Before:
+        last = self.chain.shots[-1]
         strange = set(self.samples.shot_index[self.belief.inference.outliers].tolist())
         return Before(
             parent=self.chain.last.sha256,
@@ -132,6 +141,7 @@ class Standing:
             shots=[shot for shot in self.chain.shots if shot.index not in strange],
             reverses=self.belief.inference.posterior.reciprocal,
             calibrated_s=self.chain.exposures_s,
+            at_deg=tuple(last.axis_deg(name) for name in AXES) if at_once else None,
         )
 
 

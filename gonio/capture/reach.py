@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.clearance import check_pose
+from gonio.clearance import check_pose, check_white
 from gonio.errors import BadInputError
 from gonio.paths import blocked, free_way
 from gonio.rig import AXES
@@ -30,10 +30,11 @@ def check_reach(shots: Sequence[Shot], rig: Rig) -> None:
     gonio.errors.BadInputError
         Naming the shot, and the axis with its travel or what the arms come too near to.
     """
+    check_white(rig)
     names = ["white reference", *(f"shot {shot.index}" for shot in shots)]
     white = np.array([[WHITE_POSE_DEG[name] for name in AXES]])
     poses = np.concatenate([white, pose_angles_deg(shots).reshape(-1, 4)])
-    for name, pose in zip(names, poses, strict=True):
+    for name, pose in zip(names[1:], poses[1:], strict=True):
         with _named(name):
             check_pose(pose, rig)
     at = poses[0]

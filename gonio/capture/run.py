@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import shutil
+from functools import partial
 from typing import TYPE_CHECKING
 
+from gonio.capture.attention import Attention
 from gonio.capture.frames import FrameTaker
 from gonio.capture.lighting import Lighting
 from gonio.capture.reach import check_reach
+from gonio.capture.recovery import Recovery
+from gonio.capture.usage import Stopwatch
 from gonio.capture.wanted import Missing
+from gonio.clock import SystemClock
 from gonio.errors import DeviceFaultError, StorageError
-from gonio.paths import free_way
+from gonio.files import make_folder
+from gonio.intact import new_inputs
 from gonio.rig import AXES
+from gonio.steps import Steps
 from gonio.timemodel import WHITE_POSE_DEG, frame_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from gonio.capture.instrument import Instrument, Operator
-    from gonio.capture.wanted import Wanted
-    from gonio.journal import Journal
+    from gonio.capture.instrument import Holder, Instrument, Operator
+    from gonio.journal import FrameRecord, Journal
     from gonio.plan import LampSetting, Shot
     from gonio.protocols import Progress
     from gonio.rig import Rig
     from gonio.session import Session
 
 _SPARE_BYTES = 50_000_000
+# what failed is taken once more after all else, and once more after that
+_PASSES = 3
 
 
 class Capture:
@@ -53,7 +62,13 @@ class Capture:
         self._chain = session.chain()
         self._rig = session.rig()
         self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
+        self._recovery = Recovery(instrument, self._lighting, self._note_fault)
+        self._attention = Attention(
+            session.root, instrument, self._lighting, self._note, SystemClock()
+        )
+        self._stopwatch = Stopwatch(instrument.clock)
         self._missing = Missing(session, self._chain, journal.frames(), journal.rejected())
+        instrument.troubles.listener = self._note_fault
 
     def run(self, progress: Progress | None = None) -> int:
         """Take every missing frame.
@@ -70,7 +85,8 @@ class Capture:
         gonio.errors.StorageError
             When the disk will not hold the frames.
         gonio.errors.DeviceFaultError
-            When a device fails; what was taken is kept, and a resume goes on from there.
+            When a device fails and going on does not help; what was taken is kept, and a resume
+            goes on from there.
 
         Whatever ends a capture that a resume can go on with carries the command as a note.
         """
@@ -78,28 +94,66 @@ class Capture:
             return self._run(progress)
         except (DeviceFaultError, StorageError, KeyboardInterrupt) as stop:
             stop.add_note(f"go on with: {self._session.resume_command}")
+            with contextlib.suppress(StorageError):  # a full disk is what stopped it
+                self._note_end("stopped", reason=str(stop) or "interrupted")
             raise
 
     def _run(self, progress: Progress | None) -> int:
-        dark, white = self._missing.dark(), self._missing.white()
-        shots = [(shot, self._missing.of_shot(shot)) for shot in self._chain.shots]
-        todo = [(shot, frames) for shot, frames in shots if frames]
-        total = len(dark) + len(white) + sum(len(frames) for _, frames in todo)
-        check_reach([shot for shot, _ in todo], self._rig)
+        todo, dark, white = self._todo(), self._missing.dark(), self._missing.white()
+        total = len(dark) + len(white) + sum(len(self._missing.of_shot(shot)) for shot in todo)
+        check_reach(todo, self._rig)
         check_space(self._session.root, total, self._rig, self._space_remedy())
         if not total:
             return 0
-        counter = _Counter(total, progress)
-        self._note("begun", plan=self._chain.last.sha256, rig=self._rig.sha256, frames=total)
-        with self._instrument.ready():
+        counter = Steps(total, progress)
+        counter.show()
+        for folder in (self._session.calibration, self._session.raw):
+            make_folder(folder)  # it may have gone with all its frames
+        inputs = new_inputs(self._session.root, self._journal)
+        plan, rig = self._chain.last.sha256, self._rig.sha256
+        self._note("begun", plan=plan, rig=rig, frames=total, inputs=inputs)
+        with self._instrument.ready(self._recovery.begin), self._taker(counter) as taker:
             self._note("homed")
-            self._calibrate(dark, white, counter)
-            self._operator.place("sample")
-            with self._taker(counter) as taker:
-                for shot, frames in todo:
-                    self._take_shot(shot, frames, taker)
-        self._note("finished")
+            if dark or white:
+                self._place("reference")
+                self._persist(taker, self._calibration_left, self._calibrations)
+            self._place("sample")
+            self._persist(taker, self._shots_left, self._shots)
+        self._note_end("finished")
         return total
+
+    def _place(self, what: Holder) -> None:
+        if self._operator.by_hand:
+            self._lighting.off()  # so that they warm up again
+        self._instrument.place(self._operator, what)
+
+    def _todo(self) -> list[Shot]:
+        return [shot for shot in self._chain.shots if self._missing.of_shot(shot)]
+
+    def _persist(
+        self,
+        taker: FrameTaker,
+        left: Callable[[], str],
+        todo: Callable[[], Sequence[Callable[[FrameTaker], None]]],
+    ) -> None:
+        """Do all that is to do, and what of it failed again, until nothing is left."""
+        for _ in range(_PASSES):
+            for take in todo():
+                self._heed(taker)
+                self._recovery.attempt(partial(_keeping, taker, take))
+            self._recovery.attempt(taker.fetch)
+            if not left():
+                return
+        raise DeviceFaultError(
+            f"{left()} could not be taken in {_PASSES} passes; the last fault: "
+            f"{self._recovery.last}"
+        )
+
+    def _heed(self, taker: FrameTaker) -> None:
+        """Pause or stop where that is wished, with all that was exposed taken in."""
+        if self._attention.is_wanted:
+            taker.keep()
+            self._recovery.attempt(self._attention.heed)
 
     def _space_remedy(self) -> str:
         root = self._session.root
@@ -107,59 +161,68 @@ class Capture:
             return "free some space"
         return f"free some space, or remove the session with: {shlex.join(['rm', '-r', str(root)])}"
 
-    def _calibrate(
-        self, dark: Sequence[Wanted], white: Sequence[Wanted], counter: _Counter
-    ) -> None:
-        if not dark and not white:
-            return
-        self._operator.place("reference")
+    def _calibration_left(self) -> str:
+        frames = len(self._missing.dark()) + len(self._missing.white())
+        return f"{frames} calibration frames" if frames else ""
+
+    def _shots_left(self) -> str:
+        shots = [str(shot.index) for shot in self._todo()]
+        return f"shot {', '.join(shots)}" if shots else ""
+
+    def _calibrations(self) -> list[Callable[[FrameTaker], None]]:
+        return [self._calibrate]
+
+    def _shots(self) -> list[Callable[[FrameTaker], None]]:
+        return [partial(self._take_shot, shot) for shot in self._todo()]
+
+    def _calibrate(self, taker: FrameTaker) -> None:
+        dark = self._missing.dark()
         self._go(WHITE_POSE_DEG)
-        self._lighting.off()
-        with self._taker(counter) as taker:
+        if dark:
+            self._lighting.off()
             taker.take(dark, self._session.calibration)
-            self._lighting.apply(self._white_lamps())
-            taker.take(white, self._session.calibration)
+        self._lighting.apply(self._white_lamps())
+        taker.take(self._missing.white(), self._session.calibration)
 
     def _white_lamps(self) -> tuple[LampSetting, ...]:
         # each lamp that a plan ever lights, at its first current: the flux monitor does the rest
         settings = {lamp.n: lamp for shot in reversed(self._chain.shots) for lamp in shot.lamps}
         return tuple(settings[n] for n in sorted(settings))
 
-    def _take_shot(self, shot: Shot, frames: Sequence[Wanted], taker: FrameTaker) -> None:
+    def _take_shot(self, shot: Shot, taker: FrameTaker) -> None:
         self._go({name: shot.axis_deg(name) for name in AXES})
         self._lighting.apply(shot.lamps)
-        taker.take(frames, self._session.raw)
+        taker.take(self._missing.of_shot(shot), self._session.raw)
 
-    def _taker(self, counter: _Counter) -> FrameTaker:
-        return FrameTaker(self._session, self._instrument, self._journal, counter.advance)
+    def _taker(self, counter: Steps) -> FrameTaker:
+        def taken(record: FrameRecord) -> None:
+            self._missing.took(record)
+            self._recovery.progressed()
+            counter()
+
+        return FrameTaker(self._session, self._instrument, self._journal, self._stopwatch, taken)
 
     def _go(self, angles_deg: Mapping[str, float]) -> None:
-        """Go from where the arms are by a way on which nothing comes too near."""
-        arm = self._instrument.arm
-        here = arm.angles_deg()
-        start, goal = ([angles[name] for name in AXES] for angles in (here, angles_deg))
-        way = free_way(start, goal, self._rig)
-        *via, last = [dict(zip(AXES, pose, strict=True)) for pose in way.poses_deg.tolist()]
-        arm.move(last, via)
+        with self._stopwatch.moving():
+            self._instrument.move_clear(angles_deg, self._rig)
+
+    def _note_fault(self, what: str, did: str) -> None:
+        self._note("fault", what=what, did=did)
+
+    def _note_end(self, kind: str, **data: object) -> None:
+        self._note(kind, usage=self._stopwatch.usage().model_dump(), **data)
 
     def _note(self, kind: str, **data: object) -> None:
         self._journal.append(self._instrument.clock, kind, **data)
 
 
-class _Counter:
-    """Counts frames for whoever watches."""
-
-    def __init__(self, total: int, progress: Progress | None) -> None:
-        self._done, self._total, self._progress = 0, total, progress
-        self._show()
-
-    def advance(self) -> None:
-        self._done += 1
-        self._show()
-
-    def _show(self) -> None:
-        if self._progress is not None:
-            self._progress(self._done, self._total)
+def _keeping(taker: FrameTaker, take: Callable[[FrameTaker], None]) -> None:
+    """Take something; when that fails, what was exposed before is still taken in."""
+    try:
+        take(taker)
+    except DeviceFaultError:
+        taker.keep()
+        raise
 
 
 def check_space(folder: Path, frames: int, rig: Rig, remedy: str) -> None:

@@ -6,18 +6,17 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gonio.files import sha256_file
+from gonio.intact import verified_frames
 from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
+    from gonio.intact import FrameKey
     from gonio.journal import FrameRecord, Role
     from gonio.plan import Shot
     from gonio.planchain import PlanChain
     from gonio.session import Session
-
-FrameKey = tuple[str, int, int, float]
 
 
 @dataclass(frozen=True)
@@ -35,25 +34,6 @@ class Wanted:
     def key(self) -> FrameKey:
         """The same key as the record of this frame will have."""
         return (self.role, self.shot_index, self.repeat, self.exposure_s)
-
-
-def verified_frames(
-    session: Session, records: Sequence[FrameRecord], rejected: Collection[str] = ()
-) -> dict[FrameKey, FrameRecord]:
-    """Return the newest record of each frame whose file is there with the content it had.
-
-    Files that the reduction has rejected do not count.
-    """
-    return {
-        record.key: record
-        for record in records
-        if record.file not in rejected and _is_intact(session, record)
-    }
-
-
-def _is_intact(session: Session, record: FrameRecord) -> bool:
-    path = session.root / record.file
-    return path.is_file() and sha256_file(path) == record.sha256
 
 
 class Missing:
@@ -79,6 +59,11 @@ class Missing:
         self._have = verified_frames(session, records, rejected)
         self._tries = Counter(record.key for record in records)
         self._exposures = chain.exposures_s
+
+    def took(self, record: FrameRecord) -> None:
+        """Count a frame that was taken since."""
+        self._have[record.key] = record
+        self._tries[record.key] += 1
 
     def dark(self) -> list[Wanted]:
         """Return the dark frames to take."""

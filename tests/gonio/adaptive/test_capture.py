@@ -1,15 +1,14 @@
 """`gonio capture --adaptive`: rounds until a target or a limit, and what kills them."""
 
 import json
-import os
+import shutil
 import signal
 import sqlite3
-import subprocess
-import sys
 
 import pytest
 
 from gonio.adaptive import rig_time
+from gonio.capture.usage import Usage, usages_of
 from gonio.files import sha256_file
 from gonio.journal import Journal
 from gonio.session import Session
@@ -27,9 +26,17 @@ def refused(result, code, says):
     assert says in result.stderr
 
 
+@pytest.fixture(scope="module")
+def planned(all_forks, tmp_path_factory, prior):
+    """Return a plan of nine shots, made once."""
+    folder = tmp_path_factory.mktemp("planned")
+    ok(all_forks.run(folder, "plan", "--shots", FIRST, "--prior", prior, "--no-page"))
+    return folder / "plan.json"
+
+
 @pytest.fixture(autouse=True)
-def plan(gonio, prior):
-    ok(gonio("plan", "--shots", FIRST, "--prior", prior))
+def plan(planned, tmp_path):
+    shutil.copy(planned, tmp_path)
 
 
 @pytest.fixture
@@ -74,11 +81,15 @@ def test_a_target_out_of_reach_ends_at_the_limit_of_shots(gonio, adapt, tmp_path
     indices = [shot.index for shot in chain(tmp_path).shots]
     assert indices == list(range(15))
     with Journal(tmp_path / "session/journal.sqlite") as journal:
-        spent = rig_time(journal.events())
+        spent, runs = rig_time(journal.events()), usages_of(journal)
     assert 0 < spent < 2 * chain(tmp_path).estimated_s
+    assert (len(runs), Usage.sum(runs).total_s) == (3, pytest.approx(spent))
+    told = f"rig in use {Usage.sum(runs).sentence}"
+    assert printed.count("rig in use") == printed.count(told) == 1
     ok(gonio("reconstruct", "--estimator", "paper", "--epochs", "2"))
     page = " ".join((tmp_path / "session/report.html").read_text().split())
     assert "Further plans were added until the limit of 15 shots is reached." in page
+    assert f"<dt>rig in use</dt><dd>{Usage.sum(runs).sentence}</dd>" in page
     assert page.index("Plan 1: 4 shots") < page.index("Plan 2: 2 shots")
 
 
@@ -129,53 +140,42 @@ DEATHS = {
     "in the first shot of a round": ("gonio.journal.Journal.append_frame", "frame.shot_index > 8"),
     "when all is reduced": ("gonio.adaptive.standing.Watch.take_stock", "True"),
 }
-DRIVER = """
-import inspect, os, pkgutil, sys
-where, when = sys.argv.pop(1), sys.argv.pop(1)
-owner, _, name = where.rpartition(".")
-owner = pkgutil.resolve_name(owner)
-real = getattr(owner, name)
-def deadly(*args, **kwargs):
-    called = inspect.signature(real).bind(*args, **kwargs).arguments
-    if eval(when, {}, called):
-        os.kill(os.getpid(), 9)
-    return real(*args, **kwargs)
-setattr(owner, name, deadly)
-from gonio.cli import main
-main()
-"""
-
-
 WISH = (
     "capture", "--sim", "--adaptive", "--material", "satin", "--until", "0.001", "--batch", "3",
     "--max-shots", "15",
 )  # fmt: skip
 
 
-def run(folder, *command):
-    return subprocess.run(
-        [sys.executable, *map(str, command)],
-        cwd=folder, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, check=False,
-    )  # fmt: skip
-
-
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory, prior):
+def whole(all_forks, planned, tmp_path_factory, prior):
     """Return the chain of a capture that nobody killed."""
     folder = tmp_path_factory.mktemp("whole")
-    for command in (("plan", "--shots", FIRST), WISH):
-        assert run(folder, "-m", "gonio", *command, "--prior", prior).returncode == 0
+    shutil.copy(planned, folder)
+    ok(all_forks.run(folder, *WISH, "--prior", prior))
     return chain(folder)
 
 
-def test_one_seed_makes_one_chain(gonio, whole, prior, tmp_path):
-    ok(gonio(*WISH, "--prior", prior))
+def test_one_seed_makes_one_chain(gonio_from_nothing, whole, prior, tmp_path):
+    ok(gonio_from_nothing(*WISH, "--prior", prior))
     assert chain(tmp_path) == whole
 
 
-@pytest.mark.parametrize(("where", "when"), DEATHS.values(), ids=DEATHS)
-def test_nothing_is_lost_whenever_it_is_killed(gonio, whole, prior, tmp_path, where, when):
-    killed = run(tmp_path, "-c", DRIVER, where, when, *WISH, "--prior", prior)
+# each of the others is a moment before or after one of these
+QUICK = ("while it is written", "in the first shot of a round")
+
+
+@pytest.mark.parametrize(
+    ("where", "when"),
+    [
+        pytest.param(*death, id=name, marks=() if name in QUICK else pytest.mark.slow)
+        for name, death in DEATHS.items()
+    ],
+)
+def test_nothing_is_lost_whenever_it_is_killed(
+    all_forks, gonio, whole, prior, tmp_path, where, when
+):
+    death = ("tests.gonio.adaptive.deaths:die", where, when)
+    killed = all_forks.run(tmp_path, *WISH, "--prior", prior, before=death)
     assert killed.returncode == -signal.SIGKILL
     kept = {path.name: sha256_file(path) for path in (tmp_path / "session/plans").glob("0*.json")}
     printed = ok(gonio("capture", "--sim", "--resume"))

@@ -2,40 +2,27 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
 import pytest
 
 from gonio.capture import Capture, Instrument
+from gonio.capture.frames import FrameTaker
+from gonio.capture.usage import Usage, usages_of
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
-from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.devices import LocalFolder
 from gonio.notes import Notes
 from gonio.rig import default_rig_text, load_rig
-from sim.dng import dng_bytes
+from sim import tether
+from sim.faults import faulty_wires
 from sim.twin import Twin
+from tests.tiny import TinyCamera
 
 NOTES = Notes(sample="a", orientation="b", mounting="c", operator="d")
-DNG = dng_bytes(
-    np.arange(64, dtype=np.uint16).reshape(8, 8),
-    black=0,
-    white=65535,
-    exposure_s=0.1,
-    iso=100,
-    color_matrix=np.eye(3),
-    as_shot_neutral=np.ones(3),
-    camera_model="test",
-    unique_id="0" * 32,
-)
-
-
-class TinyCamera:
-    """Makes whole, tiny files."""
-
-    def frame(self, **scene):
-        return DNG
 
 
 class Nobody:
+    by_hand = False
+
     def place(self, what):
         pass
 
@@ -46,33 +33,64 @@ class Stage:
 
     Attributes
     ----------
-    took_s
-        Rig time of the last run.
+    took_s, exposed
+        Rig time of the last run, and how often its shutter was opened.
     """
 
     session: object
     folder: object
     seed: int = 0
     meddle: object = lambda twin, instrument: None
+    faults: tuple = ()
+    clock: object = field(default=None, init=False)
     took_s: float = field(default=0.0, init=False)
+    exposed: int = field(default=0, init=False)
 
     def run(self):
         """Capture what is missing, on a twin that was just switched on."""
         rig, clock = self.session.rig(), VirtualClock()
+        self.clock = clock
         self.folder.mkdir(exist_ok=True)
         twin = Twin(rig, TinyCamera(), clock, self.folder, self.seed)
-        instrument = Instrument(
-            arm=Arm(twin.bus, rig, clock),
-            lamps=LampHead(twin.line, rig, clock),
-            camera=FolderCamera(LocalFolder(self.folder), rig, clock),
-            clock=clock,
-        )
+        folder = LocalFolder(self.folder)
+        wires = faulty_wires(twin, rig, folder, clock, self.faults, self.seed)
+        instrument = Instrument.of(wires.bus, wires.line, wires.folder, rig, clock)
         self.meddle(twin, instrument)
         with self.session.journal(writing=True) as journal:
             try:
                 return Capture(self.session, instrument, Nobody(), journal).run()
             finally:
                 self.took_s = clock.now()
+                self.struck = dict(wires.struck)
+                self.exposed = int((*twin.lamps.shutter.status.split(), 0)[1])
+
+    def run_and_stop(self, after):
+        """Press Ctrl-C at the first move when so many frames of shots are there."""
+
+        def meddle(twin, instrument):
+            move = instrument.arm.move
+
+            def and_stop(*where):
+                if len(self.shots()) >= after:
+                    raise KeyboardInterrupt
+                move(*where)
+
+            instrument.arm.move = and_stop
+
+        before, self.meddle = self.meddle, meddle
+        with pytest.raises(KeyboardInterrupt):
+            self.run()
+        self.meddle = before
+
+    def noted(self):
+        """Return the faults in the journal, as (what, did)."""
+        with self.session.journal() as journal:
+            return [(event.data["what"], event.data["did"]) for event in journal.events("fault")]
+
+    def usage(self):
+        """Return what the time of all runs went into."""
+        with self.session.journal() as journal:
+            return Usage.sum(usages_of(journal))
 
     def shots(self):
         """Return the frames of shots that the journal vouches for, as (shot, exposure)."""
@@ -95,3 +113,22 @@ def stage(tmp_path):
         return Stage(session, tmp_path / f"frames-{count}", seed)
 
     return make
+
+
+@pytest.fixture
+def slow_camera(monkeypatch):
+    """Let a file take 1.5 to 2 s, as those of real cameras do."""
+    monkeypatch.setattr(tether, "_QUICKEST_S", 1.5)
+    monkeypatch.setattr(tether, "_SLOWEST_S", 2.0)
+
+
+@pytest.fixture
+def serial_order(monkeypatch):
+    """Let every file be waited for before anything else happens."""
+    take = FrameTaker.take
+
+    def and_fetch(self, frames, folder):
+        take(self, frames, folder)
+        self.fetch()
+
+    monkeypatch.setattr(FrameTaker, "take", and_fetch)

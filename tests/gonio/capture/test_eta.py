@@ -49,6 +49,7 @@ def test_any_rig_takes_what_its_plan_says(stage, text):
 
 
 # of fewer shots, where the axes stand at power-up is more than that
+@pytest.mark.slow
 def test_a_whole_plan_within_3_percent_and_the_interval_for_most_seeds(stage):
     scores = []
     for seed in range(4):
@@ -62,22 +63,8 @@ def test_a_whole_plan_within_3_percent_and_the_interval_for_most_seeds(stage):
 
 def test_a_capture_in_two_goes_has_no_score(stage):
     here = stage(lambda rig: make_plan(rig, views=2, lights=2))
-
-    def stop(twin, instrument):
-        move = instrument.arm.move
-
-        def and_stop(*where):
-            if len(here.shots()) >= 3:
-                raise KeyboardInterrupt
-            move(*where)
-
-        instrument.arm.move = and_stop
-
-    here.meddle = stop
-    with pytest.raises(KeyboardInterrupt):
-        here.run()
+    here.run_and_stop(after=3)
     assert score_of(here.session) is None
-    here.meddle = lambda twin, instrument: None
     here.run()
     assert score_of(here.session) is None
 

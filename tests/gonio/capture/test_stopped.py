@@ -8,10 +8,10 @@ from gonio.capture import Capture, Instrument
 from gonio.cli import main
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
-from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.devices import LocalFolder
 from gonio.errors import BadInputError, DeviceFaultError, StorageError
 from gonio.notes import Notes
-from gonio.rig import default_rig, default_rig_text
+from gonio.rig import default_rig, default_rig_text, load_rig
 from nnbrdf.analytic import Lambert
 from planner.make import make_plan
 from sim.camera import SimCamera
@@ -32,13 +32,8 @@ def start(tmp_path):
         frames.mkdir()
         twin = Twin(rig, SimCamera(rig, Lambert((0.2, 0.2, 0.2)), 0), clock, frames, 0)
         meddle(twin)
-        instrument = Instrument(
-            arm=Arm(twin.bus, rig, clock),
-            lamps=LampHead(twin.line, rig, clock),
-            camera=FolderCamera(LocalFolder(frames), rig, clock),
-            clock=clock,
-        )
-        operator = type("Nobody", (), {"place": lambda self, what: None})()
+        instrument = Instrument.of(twin.bus, twin.line, LocalFolder(frames), rig, clock)
+        operator = type("Nobody", (), {"place": lambda self, what: None, "by_hand": False})()
         with session.journal(writing=True) as journal:
             Capture(session, instrument, operator, journal).run()
 
@@ -80,7 +75,9 @@ def test_what_cannot_be_measured_leaves_nothing_behind(
         monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "short.toml").write_text(RIG.replace("max_deg = 91.0", "max_deg = 44.0", 1))
-    make_plan(default_rig()).save(tmp_path / "plan.json")
+    rig = default_rig() if not options else load_rig(tmp_path / "short.toml")
+    plan = make_plan(default_rig()).model_copy(update={"rig_sha256": rig.sha256})
+    plan.save(tmp_path / "plan.json")
     before = sorted(tmp_path.iterdir())
     monkeypatch.setattr(sys, "argv", ["gonio", "capture", "--sim", "-o", "a/b", *options])
     with pytest.raises(SystemExit) as caught:
@@ -94,3 +91,17 @@ def test_a_plan_out_of_reach_is_not_gone_on_with(start):
     with pytest.raises(BadInputError) as caught:
         start(rig_text=RIG.replace("max_deg = 91.0", "max_deg = 44.0", 1))
     assert not hasattr(caught.value, "__notes__")
+
+
+def test_a_plan_for_another_rig_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "slow.toml").write_text(
+        RIG.replace("max_velocity_deg_s = 20.0", "max_velocity_deg_s = 2.0")
+    )
+    make_plan(default_rig(), views=2, lights=2).save(tmp_path / "plan.json")
+    monkeypatch.setattr(sys, "argv", ["gonio", "capture", "--sim", "--rig", "slow.toml"])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    assert caught.value.code == 2
+    assert "plan.json: was made for another rig" in capsys.readouterr().err
+    assert not (tmp_path / "session").exists()

@@ -6,7 +6,7 @@ import pytest
 from gonio.capture import Capture, Instrument, check_reach
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
-from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.devices import Arm, LocalFolder
 from gonio.directions import from_spherical
 from gonio.errors import BadInputError, DeviceFaultError
 from gonio.notes import Notes
@@ -66,6 +66,8 @@ def plan_of(poses, rig):
 class Recorder:
     """Lays nothing under the camera, and writes down where the arms are from then on."""
 
+    by_hand = False
+
     def __init__(self, twin, clock):
         self.twin, self.clock, self.poses = twin, clock, []
 
@@ -90,12 +92,7 @@ def capture(tmp_path):
         clock, frames = VirtualClock(), tmp_path / "frames"
         frames.mkdir()
         twin = Twin(rig, SimCamera(rig, Lambert((0.2, 0.2, 0.2)), 0), clock, frames, 0)
-        instrument = Instrument(
-            arm=Arm(twin.bus, rig, clock),
-            lamps=LampHead(twin.line, rig, clock),
-            camera=FolderCamera(LocalFolder(frames), rig, clock),
-            clock=clock,
-        )
+        instrument = Instrument.of(twin.bus, twin.line, LocalFolder(frames), rig, clock)
         recorder = Recorder(twin, clock)
         with session.journal(writing=True) as journal:
             Capture(session, instrument, recorder, journal).run()
@@ -138,7 +135,7 @@ def test_the_arms_keep_apart_and_out_of_the_box(capture):
 
 def test_straight_on_they_would_not(capture, monkeypatch):
     monkeypatch.setattr(
-        "gonio.capture.run.free_way", lambda start, goal, rig: Way(np.array([goal]), 0.0)
+        "gonio.capture.instrument.free_way", lambda start, goal, rig: Way(np.array([goal]), 0.0)
     )
     degrees, view_mm, light_mm = clearances(capture())
     assert degrees < 6.0
