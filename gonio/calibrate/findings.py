@@ -1,0 +1,185 @@
+"""What the frames of a calibration say, part by part."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.calibrate.bad_pixels import find_bad
+from gonio.calibrate.flat import FlatField
+from gonio.calibrate.glare import dark_room, stray_light_of
+from gonio.calibrate.linearity import fit_linearity
+from gonio.calibrate.scene import WhiteScene
+from gonio.calibrate.transfer import fit_gain, level_of
+from gonio.calibration import LampStrength, TransferPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from gonio.calibrate.dark import DarkMaps
+    from gonio.calibrate.exposing import Exposed
+    from gonio.calibrate.transfer import Level
+    from gonio.calibration import BadPixels, DarkSeries, Linearity, StrayLight
+    from gonio.reduce.raw import Sensor
+    from gonio.rig import Rig
+
+_GREEN = 1
+# as `gonio.reduce.raw.Sensor.saturation`: sensors bend before they clip
+_SATURATED = 0.98
+_QUANTIZATION = 1.0 / 12.0
+
+
+class Findings:
+    """Gathers the parts of a calibration in the order in which they build on each other.
+
+    Parameters
+    ----------
+    rig
+        What was measured with.
+    dark
+        Offset and dark current.
+    scene
+        The white reference at the first turn of the camera.
+    sensor
+        What the frames say of it.
+
+    Attributes
+    ----------
+    patch
+        The pixels that levels and lamps are told from, shape (height, width).
+    """
+
+    def __init__(self, rig: Rig, dark: DarkMaps, scene: WhiteScene, sensor: Sensor) -> None:
+        self.rig, self.dark, self.sensor = rig, dark, sensor
+        self.saturation = sensor.saturation
+        self.points: list[TransferPoint] = []
+        self.lamps: list[LampStrength] = []
+        self.series: tuple[DarkSeries, ...] = ()
+        self.linearity: Linearity
+        self.gain, self.gain_sigma = 0.0, 0.0
+        self.response: NDArray[np.float64]
+        self.bad: NDArray[np.bool_]
+        self.bad_pixels: BadPixels
+        self.measured: NDArray[np.bool_]
+        self.flat_sigma = 0.0
+        self.stray_light: StrayLight | None = None
+        self._scene = scene
+        alike = np.ones(scene.patch.shape)
+        self._dark_bad, _ = find_bad(dark, alike, alike)
+        self.patch = scene.patch & ~self._dark_bad
+        self._where = [self.patch & (scene.channel == channel) for channel in range(3)]
+        self._flat = FlatField(rig.camera, scene.channel)
+        self._levels: list[list[Level]] = []
+        self._strengths: dict[int, tuple[float, float]] = {}
+
+    @property
+    def read_noise_e(self) -> float:
+        """In electrons, without what rounding to whole numbers adds."""
+        return math.sqrt(max(self.dark.read_variance - _QUANTIZATION, 0.0)) / self.gain
+
+    @property
+    def _stray_share(self) -> float:
+        return self.stray_light.share if self.stray_light else 0.0
+
+    @property
+    def full_well_e(self) -> float:
+        """Electrons at which the raw values end, the bending undone."""
+        return float(self.linearity.undo(np.array(self.saturation_end)) / self.gain)
+
+    @property
+    def saturation_end(self) -> float:
+        """Raw units above dark beyond which there are none."""
+        return (self.saturation - self.sensor.black) / _SATURATED
+
+    def add_level(self, frames: Sequence[Exposed], current_mA: float) -> None:
+        """Add repeats of one level."""
+        levels = [self._level_of(frames, channel) for channel in range(3)]
+        self._levels.append(levels)
+        green = levels[_GREEN]
+        if green.saturated:
+            self._see_end(np.array([frame.raw.mosaic[self._where[_GREEN]] for frame in frames]))
+        self.points.append(
+            TransferPoint(
+                exposure_s=float(np.mean([frame.raw.exposure_s for frame in frames])),
+                current_mA=round(current_mA, 1),
+                dose=green.dose,
+                signal=green.signal,
+                variance=green.variance,
+                saturated=green.saturated,
+            )
+        )
+
+    def _level_of(self, frames: Sequence[Exposed], channel: int) -> Level:
+        where = self._where[channel]
+        raw = np.array([frame.raw.mosaic[where] for frame in frames], np.float64)
+        dark = np.array([self._dark_of(frame)[where] for frame in frames])
+        doses = np.array([self._scene.dose(frame, where).mean() for frame in frames])
+        saturated = bool((raw >= self.sensor.saturation).any())
+        return level_of(raw - dark, doses, saturated=saturated)
+
+    def fit_sensor(self) -> None:
+        """Fit linearity and gain to the levels."""
+        # lamps change color as they warm up, red and blue against green: green alone is a line
+        green = [levels[_GREEN] for levels in self._levels if not levels[_GREEN].saturated]
+        dose, signal = (np.array([getattr(g, name) for g in green]) for name in ("dose", "signal"))
+        raw_range = float(self.sensor.white - self.sensor.black)
+        self.linearity, scale = fit_linearity(dose, signal, raw_range)
+        free = [level for levels in self._levels for level in levels if not level.saturated]
+        self.gain, self.gain_sigma = fit_gain(free, self.dark.read_variance, self.linearity)
+        self.points = [
+            point.model_copy(update={"dose": scale * point.dose}) for point in self.points
+        ]
+
+    def add_stray(self, lit: Sequence[Exposed], dark: NDArray[np.float64]) -> None:
+        """Tell stray light from frames that see the dark room, and the mean dark frame there."""
+        room = dark_room(self.rig.camera, lit[0].view) & ~self._dark_bad
+        signals = [self.linearity.undo(frame.raw.mosaic - dark) for frame in lit]
+        self.stray_light = stray_light_of(signals, room, self._scene.channel)
+
+    def add_flat(self, frame: Exposed) -> None:
+        """Add a frame for the flat field."""
+        scene = WhiteScene(self.rig, frame)
+        seen = scene.seen & (frame.raw.mosaic < self.saturation)
+        expected = np.zeros(seen.shape)
+        expected[seen] = scene.dose(frame, seen)
+        signal = self._linear(frame)
+        for channel in range(3):
+            mine = self._scene.channel == channel
+            signal[mine] -= self._stray_share * signal[mine].mean()
+        self._flat.add(signal, expected, seen)
+
+    def add_lamp(self, n: int, frames: Sequence[Exposed]) -> None:
+        """Add frames of one lamp alone."""
+        patch = self.patch
+        signal = float(sum(self._linear(frame)[patch].sum() for frame in frames))
+        dose = float(sum(self._scene.dose(frame, patch).sum() for frame in frames))
+        self._strengths[n] = (signal / dose, math.sqrt(self.gain / signal))
+
+    def finish(self, series: Sequence[DarkSeries]) -> None:
+        """Settle flat field, bad pixels and lamps, now that all frames are taken."""
+        self.series = tuple(series)
+        self.response, smooth, self.measured = self._flat.response(~self._dark_bad)
+        self.flat_sigma = self._flat.sigma(self.gain)
+        self.bad, self.bad_pixels = find_bad(self.dark, self.response, smooth)
+        mean = float(np.mean([strength for strength, _ in self._strengths.values()]))
+        self.lamps = [
+            LampStrength(n=n, strength=strength / mean, sigma=relative * strength / mean)
+            for n, (strength, relative) in self._strengths.items()
+        ]
+
+    def _see_end(self, raw: NDArray[np.float64]) -> None:
+        """Lower the saturation where the sensor ends before WhiteLevel does."""
+        low, end, high = np.percentile(raw, (25, 50, 75)) - self.sensor.black
+        # values that pile up are an end; a level just below it spreads with its noise
+        if low == high:
+            self.saturation = self.sensor.black + _SATURATED * float(end)
+
+    def _dark_of(self, frame: Exposed) -> NDArray[np.float64]:
+        return self.dark.offset + self.dark.rate * frame.raw.exposure_s
+
+    def _linear(self, frame: Exposed) -> NDArray[np.float64]:
+        return self.linearity.undo(frame.raw.mosaic - self._dark_of(frame))

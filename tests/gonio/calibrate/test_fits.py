@@ -1,0 +1,109 @@
+"""Laws of the fits behind a calibration."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gonio.calibrate.bad_pixels import find_bad
+from gonio.calibrate.dark import DarkMaps, Stack, dark_maps
+from gonio.calibrate.lighting import FULL_CURRENT_MA, setting_for
+from gonio.calibrate.linearity import fit_linearity, slope
+from gonio.calibration import Linearity
+
+RANGE = 60_000.0
+
+
+def bent(bend, reach=10.0):
+    return Linearity(coefficients=bend, raw_range=RANGE, reach=reach, deviation=0.0, left=0.0)
+
+
+bends = st.lists(st.floats(-0.05, 0.05), min_size=4, max_size=4).map(tuple)
+
+
+@given(bend=bends, scale=st.floats(1e-3, 1e3))
+def test_any_polynomial_bending_is_found_whatever_the_unit_of_dose(bend, scale):
+    u = np.linspace(0.02, 0.97, 16)
+    found, raw_per_dose = fit_linearity(scale * bent(bend).undo(RANGE * u), RANGE * u, RANGE)
+    np.testing.assert_allclose(found.coefficients, bend, atol=1e-8)
+    np.testing.assert_allclose(raw_per_dose, 1.0 / scale)
+    assert found.left < 1e-9
+
+
+@given(bend=bends, signal=st.floats(1.0, RANGE))
+def test_the_slope_is_the_derivative(bend, signal):
+    ahead, behind = (bent(bend).undo(np.array(signal + step)) for step in (0.5, -0.5))
+    np.testing.assert_allclose(slope(bent(bend), np.array(signal)), ahead - behind, atol=1e-6)
+
+
+@given(bend=bends, beyond=st.floats(1.0, 2.0))
+def test_beyond_its_reach_nothing_is_extrapolated(bend, beyond):
+    known = bent(bend, reach=0.5)
+    ends = known.bending(np.array(0.5 * RANGE))
+    np.testing.assert_allclose(known.bending(np.array(0.5 * beyond * RANGE)), ends)
+
+
+@given(
+    offset=st.integers(0, 500),
+    rate=st.integers(0, 200),
+    exposures=st.lists(st.integers(1, 50), min_size=2, max_size=5, unique=True),
+)
+def test_dark_frames_on_a_line_give_it_back(offset, rate, exposures):
+    stacks = {}
+    for exposure_s in exposures:
+        stacks[float(exposure_s)] = stack = Stack()
+        for _ in range(2):
+            stack.add(np.full((2, 2), offset + rate * exposure_s, np.uint16))
+    maps = dark_maps(stacks)
+    np.testing.assert_allclose(maps.offset, offset, atol=1e-8)
+    np.testing.assert_allclose(maps.rate, rate, atol=1e-9)
+    np.testing.assert_allclose(maps.variance, 0.0)
+
+
+@given(seed=st.integers(0, 1000))
+def test_a_stack_has_numpy_s_mean_and_variance(seed):
+    frames = np.random.default_rng(seed).integers(0, 65535, (5, 3, 4)).astype(np.uint16)
+    stack = Stack()
+    for frame in frames:
+        stack.add(frame)
+    np.testing.assert_allclose(stack.mean, frames.mean(axis=0))
+    np.testing.assert_allclose(stack.variance, frames.var(axis=0, ddof=1))
+
+
+@given(seed=st.integers(0, 1000))
+def test_bad_pixels_are_found_each_once_and_good_ones_are_not(seed):
+    random = np.random.default_rng(seed)
+    offset, rate = random.normal(1000, 5, (50, 50)), random.normal(1, 0.5, (50, 50))
+    variance, response = random.chisquare(28, (50, 50)) / 28, random.normal(1, 0.02, (50, 50))
+    offset[0, 0] += 100
+    rate[1, 1] = rate[2, 2] = 50
+    variance[2, 2] = variance[3, 3] = 20
+    response[4, 4] = 0.5
+    bad, counts = find_bad(DarkMaps(offset, rate, variance, 1.0), response, np.ones((50, 50)))
+    np.testing.assert_array_equal(np.nonzero(bad), [range(5), range(5)])
+    assert (counts.hot, counts.noisy, counts.offset, counts.response) == (2, 1, 1, 1)
+
+
+@given(level=st.floats(0.01, 1.2), per_s=st.floats(0.01, 1e3))
+def test_a_setting_reaches_its_level_within_the_lamps_current(level, per_s):
+    exposures = (0.002, 0.02, 0.2, 2.0)
+    exposure_s, current_mA = setting_for(level, per_s, exposures)
+    assert exposure_s in exposures
+    assert 0 < current_mA <= FULL_CURRENT_MA
+    reached = per_s * exposure_s * current_mA / FULL_CURRENT_MA
+    if per_s * exposures[-1] >= level:
+        np.testing.assert_allclose(reached, level)
+    else:
+        assert reached < level
+
+
+def test_the_linearity_errs_as_its_errors_say():
+    random, u = np.random.default_rng(0), np.linspace(0.02, 0.97, 16)
+    true = bent((0.02, -0.03, 0.01, 0.04))
+    scores = []
+    for _ in range(300):
+        dose = true.undo(RANGE * u) * (1.0 + 0.001 * random.normal(size=16))
+        found, _ = fit_linearity(dose, RANGE * u, RANGE)
+        off = found.bending(np.array(0.9 * RANGE)) - true.bending(np.array(0.9 * RANGE))
+        scores.append(off / np.linalg.norm(np.array(found.errors) @ 0.9 ** np.arange(1, 5)))
+    # a t distribution of eleven degrees of freedom
+    assert 0.95 < np.std(scores) < 1.25
