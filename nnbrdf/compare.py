@@ -158,4 +158,5 @@ def _rows(samples: Samples, rows: NDArray[np.bool_]) -> Samples:
     chosen: dict[str, Any] = {
         name: array[rows] for name, array in arrays.items() if isinstance(array, np.ndarray)
     }
-    return replace(samples, **chosen)
+    parts = {name: part[rows] for name, part in samples.components.items()}
+    return replace(samples, **chosen, components=parts)

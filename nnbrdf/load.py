@@ -36,6 +36,10 @@ class ModelCard(Protocol):
     def channels(self) -> tuple[str, ...]:
         """Of the samples."""
 
+    @property
+    def color_space(self) -> str:
+        """Of the samples, as files state it."""
+
     def sentences(self) -> list[str]:
         """Say how the model was made, as a person reads it."""
 

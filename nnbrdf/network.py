@@ -70,7 +70,7 @@ class Networks:
         Parameters
         ----------
         inputs
-            Shape (n, inputs).
+            Shape (n, inputs), or (members, n, inputs) where each member has its own.
 
         Returns
         -------
@@ -78,7 +78,7 @@ class Networks:
             Shape (members, n, outputs), in double precision: its round-off hangs on how the
             inputs are split into chunks, and must not show.
         """
-        signal = np.asarray(inputs, np.float64).T[None]
+        signal = np.swapaxes(np.asarray(inputs, np.float64), -1, -2)
         activate = activation_named(self.activation)
         for index, layer in enumerate(self.layers):
             wide = layer.astype(np.float64)

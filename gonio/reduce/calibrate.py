@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadInputError
 from gonio.materials import reference_material
-from gonio.reduce.color import camera_from_srgb
-from gonio.reduce.dark import mean_dark
+from gonio.reduce.budget import Budget
+from gonio.reduce.color import Wanted
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.reading import take_reading
 from gonio.reduce.white import respond
@@ -20,12 +20,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.journal import FrameRecord, Role
+    from gonio.reduce.color import Coloring
+    from gonio.reduce.correction import Correction
     from gonio.reduce.dark import Dark
     from gonio.reduce.frames import Frame, Frames
     from gonio.reduce.patch import PatchFinder
     from gonio.reduce.reading import Reading
     from gonio.reduce.white import Response
     from gonio.rig import Rig
+
+_DEFAULT = Wanted()
 
 
 @dataclass(frozen=True)
@@ -40,25 +44,40 @@ class Calibration:
         Raw units per electron.
     response
         What turns a rate into a BRDF.
+    budget
+        What carries its uncertainties.
+    correction
+        Of the sensor.
     records
         The frames that it was made from.
+    coloring
+        Which space the response ends in.
     """
 
     darks: dict[float, Dark]
     gain: float
     response: Response
+    budget: Budget
+    correction: Correction
     records: tuple[FrameRecord, ...]
+    coloring: Coloring
 
 
 def calibrate(
-    frames: Frames, rig: Rig, patches: PatchFinder, exposures_s: Sequence[float]
+    frames: Frames,
+    rig: Rig,
+    patches: PatchFinder,
+    exposures_s: Sequence[float],
+    correction: Correction,
+    wanted: Wanted = _DEFAULT,
 ) -> Calibration:
-    """Evaluate the dark and white frames of `exposures_s`.
+    """Evaluate the dark and white frames of `exposures_s`, for results in the wanted space.
 
     Raises
     ------
     gonio.errors.BadInputError
-        When an exposure lacks dark frames, or there is no white that is neither dark nor saturated.
+        When an exposure lacks dark frames, there is no white that is neither dark nor saturated,
+        or the space is out of reach.
     """
     darks: dict[float, Dark] = {}
     records: list[FrameRecord] = []
@@ -68,15 +87,19 @@ def calibrate(
     for exposure_s in exposures_s:
         dark_frames = _dark_frames(frames, exposure_s)
         white_frames = frames.of_calibration("white", exposure_s)
-        dark = darks[exposure_s] = mean_dark(_mosaics(dark_frames))
+        correction.check(frames.sensor)
+        dark = darks[exposure_s] = correction.dark(_mosaics(dark_frames), exposure_s)
         transfer.add(_mosaics(white_frames), dark, frames.sensor.saturation)
-        readings += [take_reading(frame, dark, patches, rig.lamps) for frame in white_frames]
+        readings += [take_reading(frame, dark, patches, rig, correction) for frame in white_frames]
         records += [frame.record for frame in (*dark_frames, *white_frames)]
     if not readings:
         raise _lacking(frames, "white", "there is no valid white frame")
-    to_camera = camera_from_srgb(frames.sensor.color_matrix)
-    response = respond(readings, transfer.gain, reference_material(rig), to_camera)
-    return Calibration(darks, transfer.gain, response, tuple(records))
+    coloring = wanted.coloring(frames.sensor)
+    gain = correction.gain or transfer.gain
+    reference = coloring.shown(reference_material(rig))
+    response = respond(readings, gain, reference, coloring.camera_from_space)
+    budget = Budget(rig, reference, response, correction.doubt)
+    return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
 
 
 def _mosaics(frames: Sequence[Frame]) -> list[NDArray[np.uint16]]:

@@ -34,9 +34,9 @@ class Dark:
     repeats: int
 
     @property
-    def pixel_variance(self) -> float:
-        """Of a pixel of one frame with this dark taken off, without light."""
-        return self.read_variance * (1.0 + 1.0 / self.repeats)
+    def mean_variance(self) -> float:
+        """Of a pixel of the mean."""
+        return self.read_variance / self.repeats
 
 
 def mean_dark(mosaics: Sequence[NDArray[np.uint16]]) -> Dark:

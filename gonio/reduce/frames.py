@@ -6,8 +6,10 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gonio.alignment import ALIGNED
 from gonio.errors import BadFileError, BadInputError
 from gonio.geometry import ArmPose
+from gonio.reduce.poses import posed
 from gonio.reduce.raw import decode_raw, read_vouched
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from gonio.journal import FrameRecord, Role
+    from gonio.photogrammetry.geometry_file import Geometry
     from gonio.plan import Shot
     from gonio.reduce.raw import RawFrame, Sensor
     from gonio.rig import CameraSpec
@@ -25,15 +28,21 @@ _Place = tuple[str, int, float]
 
 @dataclass(frozen=True)
 class Frame:
-    """A raw frame and what the journal knows about it."""
+    """A raw frame and what the journal knows about it.
+
+    Attributes
+    ----------
+    record
+        The journal's.
+    raw
+        The file's content.
+    view
+        The camera's pose.
+    """
 
     record: FrameRecord
     raw: RawFrame
-
-    @property
-    def view(self) -> ArmPose:
-        """The camera's pose by the encoders."""
-        return ArmPose.from_degrees(self.record.view_theta_deg, self.record.view_phi_deg)
+    view: ArmPose
 
     @property
     def light(self) -> ArmPose:
@@ -54,6 +63,10 @@ class Frames:
         The journal's frames, oldest first.
     remedy
         What to do about one that is of no use.
+    geometry
+        Camera and view arm as measured, where they were.
+    sensor
+        What took them, where it is known already.
 
     Attributes
     ----------
@@ -67,10 +80,17 @@ class Frames:
     """
 
     def __init__(
-        self, root: Path, spec: CameraSpec, records: Iterable[FrameRecord], remedy: str
+        self,
+        root: Path,
+        spec: CameraSpec,
+        records: Iterable[FrameRecord],
+        remedy: str,
+        geometry: Geometry | None = None,
+        sensor: Sensor | None = None,
     ) -> None:
         self._root, self._spec, self.remedy = root, spec, remedy
-        self._sensor: Sensor | None = None
+        self._geometry = geometry
+        self._sensor = sensor
         self._tries: dict[_Place, dict[int, list[FrameRecord]]] = defaultdict(dict)
         for record in records:
             repeats = self._tries[record.role, record.shot_index, record.exposure_s]
@@ -92,11 +112,12 @@ class Frames:
         gonio.errors.BadInputError
             When a frame of it is missing or damaged.
         """
-        return [
+        bracket = [
             self._newest(tries)
             for exposure_s in shot.exposures_s
             for tries in self._repeats("shot", shot.index, exposure_s).values()
         ]
+        return posed(bracket, self._geometry, self._spec) if self._geometry else bracket
 
     def of_calibration(self, role: Role, exposure_s: float) -> list[Frame]:
         """Return the valid dark or white frames of one exposure; `problems` notes the others."""
@@ -118,7 +139,9 @@ class Frames:
         newest_problem: BadFileError | None = None
         for record in sorted(tries, key=lambda record: record.attempt, reverse=True):
             try:
-                return Frame(record, self._read(record))
+                alignment = self._geometry.view if self._geometry else ALIGNED
+                view = alignment.pose(record.view_theta_deg, record.view_phi_deg)
+                return Frame(record, self._read(record), view)
             except BadFileError as error:
                 newest_problem = newest_problem or error
         assert newest_problem is not None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -14,11 +14,16 @@ from gonio.errors import BadInputError
 from gonio.geometry import SAMPLE_SIDE_MM
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from gonio.geometry import ArmPose
     from gonio.reduce.raw import Sensor
     from gonio.rig import CameraSpec
+
+PATCH_MM: Final = 5.0
+"""Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
 _MM_PER_M = 1000.0
 
@@ -63,6 +68,14 @@ class Patch:
         return np.asarray(total / self.pixels, np.float64)
 
 
+class FindsPatch(Protocol):
+    """Whoever tells which pixels of a frame to read."""
+
+    @property
+    def find(self) -> Callable[[ArmPose, Sensor], Patch]:
+        """Return the patch for a pose of the camera."""
+
+
 class PatchFinder:
     """Finds the patch for a pose of the camera; the last few are kept.
 
@@ -72,6 +85,8 @@ class PatchFinder:
         The camera.
     side_mm
         Side of the square.
+    bad
+        Pixels to leave out, shape (height, width).
 
     Raises
     ------
@@ -79,13 +94,15 @@ class PatchFinder:
         When the square is not on the sample.
     """
 
-    def __init__(self, spec: CameraSpec, side_mm: float) -> None:
+    def __init__(
+        self, spec: CameraSpec, side_mm: float, bad: NDArray[np.bool_] | None = None
+    ) -> None:
         if not 0 < side_mm <= SAMPLE_SIDE_MM:
             raise BadInputError(
                 f"a patch of {side_mm:g} mm does not fit the sample; use a side above 0 and up to "
                 f"{SAMPLE_SIDE_MM:g} mm"
             )
-        self._spec, self._side_mm = spec, side_mm
+        self._spec, self._side_mm, self._bad = spec, side_mm, bad
         # the frames of a bracket share a pose
         self.find = lru_cache(maxsize=8)(self._find)
 
@@ -101,6 +118,8 @@ class PatchFinder:
         points = Camera(window).plane_points(pose)
         # a ray that misses the plane is NaN, which is inside nothing
         inside = (np.abs(points) <= self._side_mm / 2.0).all(axis=-1)
+        if self._bad is not None:
+            inside &= ~self._bad[top : top + window.height, left : left + window.width]
         rows, columns = np.nonzero(inside)
         channel = sensor.channel(rows + top, columns + left)
         if len(np.unique(channel)) < 3:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gonio.calibrationfolder import kept_calibration
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.reduce.color import kept_color
+from gonio.reduce.poses import kept_geometry
 from gonio.reference import kept_reference
 from gonio.samples import Samples
 
@@ -18,15 +21,23 @@ if TYPE_CHECKING:
 
 
 def provenance_of(session: Session, used: Iterable[FrameRecord]) -> dict[str, str]:
-    """Return the SHA-256 of last plan, rig, reference table and the records of the frames used."""
+    """Return the SHA-256 of all that samples hang on.
+
+    That is: last plan, rig, reference table, calibration, geometry and color file, where there are
+    any, and the records of the frames used.
+    """
     records = sorted(used, key=lambda record: record.file)
     frames = [record.model_dump(mode="json") for record in records]
-    reference = kept_reference(session)
+    reference, calibration = kept_reference(session), kept_calibration(session)
+    geometry, color = kept_geometry(session), kept_color(session)
     return {
         "plan": session.chain().last.sha256,
         "rig": session.rig().sha256,
         "frames": sha256_bytes(canonical_json(frames)),
         **({"reference": reference.sha256} if reference else {}),
+        **({"calibration": calibration.sha256} if calibration else {}),
+        **({"geometry": geometry.sha256} if geometry else {}),
+        **({"color": color.sha256} if color else {}),
     }
 
 
@@ -36,6 +47,13 @@ def shot_exposures(records: Iterable[FrameRecord]) -> list[float]:
     A plan that was added last may have others, which need no dark and white frames yet.
     """
     return sorted({record.exposure_s for record in records if record.role == "shot"})
+
+
+def newest_of_shot(records: Iterable[FrameRecord], index: int) -> tuple[FrameRecord, ...]:
+    """Return the newest try at each frame of a shot."""
+    of_shot = [each for each in records if (each.role, each.shot_index) == ("shot", index)]
+    newest = {each.key: each for each in sorted(of_shot, key=lambda each: each.attempt)}
+    return tuple(newest.values())
 
 
 def is_reduced(session: Session) -> bool:

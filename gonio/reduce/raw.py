@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from gonio.calibration import CameraIdentity
 from gonio.errors import BadFileError
 from gonio.files import sha256_bytes
 
@@ -22,6 +23,7 @@ _NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
 
 _CFA = 32803
 _EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1 = 34665, 262, 50721
+_MODEL, _SERIAL = 50708, 50735
 _SATURATED = 0.98
 
 
@@ -40,7 +42,9 @@ class Sensor:
     iso
         Sensitivity; None where the file does not say.
     color_matrix
-        ColorMatrix1, XYZ to camera RGB, nine numbers row by row.
+        ColorMatrix1, XYZ to camera RGB, nine numbers row by row; none where the file has none.
+    model
+        UniqueCameraModel and, where the file states one, CameraSerialNumber.
     """
 
     width: int
@@ -50,6 +54,7 @@ class Sensor:
     white: int
     iso: int | None
     color_matrix: tuple[float, ...]
+    model: str = ""
 
     @property
     def saturation(self) -> float:
@@ -58,6 +63,13 @@ class Sensor:
         Sensors bend before they clip.
         """
         return self.black + _SATURATED * (self.white - self.black)
+
+    @property
+    def identity(self) -> CameraIdentity:
+        """Which camera it is, at which setting."""
+        return CameraIdentity.model_validate(
+            {name: getattr(self, name) for name in CameraIdentity.model_fields}
+        )
 
     def channel(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return 0, 1 or 2 for pixels behind a red, green or blue filter."""
@@ -122,6 +134,7 @@ def decode_raw(data: bytes, path: Path, remedy: str) -> RawFrame:
         white=white,
         iso=_iso(tags),
         color_matrix=_color_matrix(tags, path),
+        model=" ".join(str(tags[tag]) for tag in (_MODEL, _SERIAL) if tag in tags),
     )
     return RawFrame(mosaic, _exposure_s(tags, path), sensor)
 
@@ -137,7 +150,9 @@ def _tags(data: bytes, path: Path, remedy: str) -> dict[int, Any]:
             page = tiff.pages.first
             tags = {tag.code: tag.value for tag in page.tags.values()}
             end = max(map(sum, zip(page.dataoffsets, page.databytecounts, strict=True)), default=0)
-    except (ValueError, TypeError, LookupError, AttributeError, OSError, struct.error) as error:
+    except (
+        ValueError, TypeError, LookupError, AttributeError, ArithmeticError, OSError, struct.error,
+    ) as error:  # fmt: skip
         raise BadFileError(path, f"is not a DNG ({error})", _NOT_OURS) from None
     if tags.get(_PHOTOMETRIC) != _CFA:
         raise BadFileError(path, "holds no Bayer plane", _NOT_OURS)
@@ -187,6 +202,8 @@ def _iso(tags: dict[int, Any]) -> int | None:
 
 def _color_matrix(tags: dict[int, Any], path: Path) -> tuple[float, ...]:
     parts = tags.get(_COLOR_MATRIX_1)
+    if parts is None:
+        return ()
     if not (isinstance(parts, tuple) and len(parts) == 18 and all(parts[1::2])):
-        raise BadFileError(path, "has no ColorMatrix1 of 3 x 3", _NOT_OURS)
+        raise BadFileError(path, "has a ColorMatrix1 that is not 3 x 3", _NOT_OURS)
     return tuple(float(n) / float(d) for n, d in zip(parts[::2], parts[1::2], strict=True))

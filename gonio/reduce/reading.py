@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.directions import normalize
 from gonio.errors import BadInputError
+from gonio.reduce.correction import Uncorrected
 from gonio.reduce.light import Source
+from gonio.reduce.stray import frame_mean
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from gonio.reduce.correction import Correction
     from gonio.reduce.dark import Dark
     from gonio.reduce.frames import Frame
-    from gonio.reduce.patch import PatchFinder
-    from gonio.rig import Lamps
+    from gonio.reduce.patch import FindsPatch
+    from gonio.rig import Rig
+
+
+_UNCORRECTED = Uncorrected()
+
+
+class UnlitError(BadInputError):
+    """A frame is whole, and no light fell on the sample meanwhile."""
 
 
 @dataclass(frozen=True)
@@ -27,19 +37,30 @@ class Reading:
     Attributes
     ----------
     signal
-        Mean above dark, in raw units, shape (3,).
+        Mean above dark and stray light, in raw units of a linear sensor, shape (3,).
     exposure
-        Mean irradiance x time, in s/mm2 (see `gonio.reduce.light.Source`), shape (3,).
+        Mean irradiance x time x the pixels' response, in s/mm2 (see `gonio.reduce.light.Source`),
+        shape (3,).
     pixels
         How many pixels, shape (3,).
     saturated
         Whether any of them was, shape (3,).
-    read_variance
-        Of one pixel without light, dark frame included, in raw units squared.
+    read_variance, dark_variance
+        Of one pixel of a frame without light, and of the mean dark frame, in raw units squared.
+    surround
+        Mean above dark over the whole frame, in raw units of a linear sensor, shape (3,); 0 where
+        neither rig file nor calibration tells of stray light.
+    stray
+        What was taken off as stray light, in raw units, shape (3,).
     light, view
         Unit vectors, shape (3,): means over the patch.
+    arms_rad
+        Theta and phi of light and view by the encoders, shape (4,): a direction at the pole tells
+        no phi.
     light_solid_angle, view_solid_angle
         In sr.
+    lamps
+        Each lamp's share of the light, shape (11,).
     """
 
     signal: NDArray[np.float64]
@@ -47,38 +68,67 @@ class Reading:
     pixels: NDArray[np.intp]
     saturated: NDArray[np.bool_]
     read_variance: float
+    dark_variance: float
+    surround: NDArray[np.float64]
+    stray: NDArray[np.float64]
     light: NDArray[np.float64]
     view: NDArray[np.float64]
+    arms_rad: NDArray[np.float64]
     light_solid_angle: float
     view_solid_angle: float
+    lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(11))
 
 
-def take_reading(frame: Frame, dark: Dark, patches: PatchFinder, lamps: Lamps) -> Reading:
+def take_reading(
+    frame: Frame,
+    dark: Dark,
+    patches: FindsPatch,
+    rig: Rig,
+    correction: Correction = _UNCORRECTED,
+) -> Reading:
     """Read the patch of a frame.
+
+    The pixels' response counts with the exposure instead of being divided out pixel by pixel: sums
+    of signals over sums of exposures have the least photon noise. A share g of stray light leaves
+    (1 - g) of the image where it was; that factor is in the white frames, too, and cancels.
 
     Raises
     ------
+    UnlitError
+        When no light fell on it.
     gonio.errors.BadInputError
-        When the patch is out of sight or in the dark.
+        When the patch is out of sight.
     """
-    sensor, source = frame.raw.sensor, Source(lamps, frame.light, frame.record.flux)
+    sensor = frame.raw.sensor
+    flux = correction.flux(frame.record.flux)
+    source = Source(rig.lamps, frame.light, flux)
     patch = patches.find(frame.view, sensor)
-    exposure = frame.raw.exposure_s * patch.mean(source.irradiance(patch.points_mm))
+    answered = patch.of(correction.response(sensor)) * source.irradiance(patch.points_mm)
+    exposure = frame.raw.exposure_s * patch.mean(answered)
     if not exposure.all():
-        raise BadInputError(
+        raise UnlitError(
             f"{frame.record.file}: no light fell on the sample (light at "
             f"{frame.record.light_theta_deg:.1f} deg, lamps {sum(frame.record.flux):.5f}); "
             "check the lamps and capture again"
         )
-    raw = patch.of(frame.raw.mosaic)
+    share = rig.camera.stray_light or correction.stray_light
+    # of large frames a sum of all pixels takes its time
+    told = share or rig.uncertainty.stray_light
+    surround = frame_mean(frame.raw, dark, correction.linearity) if told else np.zeros(3)
+    raw, stray = patch.of(frame.raw.mosaic), share * surround
     return Reading(
-        signal=patch.mean(raw - patch.of(dark.mean)),
+        signal=patch.mean(correction.linear(raw - patch.of(dark.mean))) - stray,
         exposure=exposure,
         pixels=patch.pixels,
-        saturated=patch.mean((raw >= sensor.saturation).astype(np.float64)) > 0,
-        read_variance=dark.pixel_variance,
+        saturated=patch.mean((raw >= correction.saturation(sensor)).astype(np.float64)) > 0,
+        read_variance=dark.read_variance,
+        dark_variance=dark.mean_variance,
+        surround=surround,
+        stray=stray,
         light=normalize(source.directions(patch.points_mm).mean(axis=0)),
         view=patch.view,
+        arms_rad=np.array([a for arm in (frame.light, frame.view) for a in (arm.theta, arm.phi)]),
         light_solid_angle=source.solid_angle,
         view_solid_angle=patch.solid_angle,
+        lamps=np.asarray(flux) / sum(flux),
     )

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.color import CAMERA, SPACES
 from gonio.directions import normalize
 from gonio.errors import BadInputError
 from gonio.reduce.calibrate import calibrate
-from gonio.reduce.color import COLOR_SPACE
-from gonio.reduce.frames import Frames
+from gonio.reduce.checks import run_checks
+from gonio.reduce.color import wanted_in
+from gonio.reduce.correction import correction_in
 from gonio.reduce.merge import merge
-from gonio.reduce.patch import PatchFinder
+from gonio.reduce.opening import open_frames
+from gonio.reduce.patch import PATCH_MM, PatchFinder
 from gonio.reduce.provenance import provenance_of, shot_exposures
 from gonio.reduce.reading import take_reading
-from gonio.reference import rig_with_reference
+from gonio.reduce.surroundings import look_around
 from gonio.samples import Flag, Samples
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -29,13 +32,13 @@ if TYPE_CHECKING:
     from gonio.plan import Shot
     from gonio.protocols import Progress
     from gonio.reduce.calibrate import Calibration
+    from gonio.reduce.color import Coloring
+    from gonio.reduce.frames import Frames
     from gonio.reduce.merge import Rate
     from gonio.reduce.reading import Reading
+    from gonio.reduce.surroundings import Surroundings
     from gonio.rig import Rig
     from gonio.session import Session
-
-PATCH_MM: Final = 5.0
-"""Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
 _FEW_PIXELS = 8
 
@@ -43,9 +46,13 @@ _log = logging.getLogger(__name__)
 
 
 def reduce_session(
-    session: Session, *, patch_mm: float | None = None, progress: Progress | None = None
+    session: Session,
+    *,
+    patch_mm: float | None = None,
+    space: str | None = None,
+    progress: Progress | None = None,
 ) -> Samples:
-    """Reduce a session's raw frames and write its `samples.nc`.
+    """Reduce a session's raw frames and write its `samples.nc` and `checks.json`.
 
     A shot is left out, with one warning for all, when a frame of it is missing or damaged.
     Nothing of `session/sim` is read.
@@ -57,65 +64,99 @@ def reduce_session(
     patch_mm
         Side of the square about the sample's centre that each sample is the mean over; without
         it, that of the samples that are there, or else `PATCH_MM`.
+    space
+        One of `gonio.reduce.color.CHOICES`; without it, that of the samples that are there, or
+        else linear sRGB.
     progress
         Called with the number of shots done and of all.
 
     Raises
     ------
     gonio.errors.BadInputError
-        When dark or white frames are lacking, or no shot can be used; nothing is written then.
+        When the session is a rehearsal, dark or white frames are lacking, or no shot can be used;
+        nothing is written then.
     gonio.errors.StorageError
         When the session can only be read, or the samples cannot be written.
     """
-    session.check_writable("copy it to a folder that can be written, and reduce the copy")
-    rig, shots = rig_with_reference(session), session.chain().shots
-    with session.journal() as journal:
-        records = journal.frames()
-    if not any(record.role == "shot" for record in records):
-        raise BadInputError(
-            f"{session.root}: no shot has been captured yet; go on with: {session.resume_command}"
-        )
-    remedy = f"take it again with: {session.resume_command}"
-    frames = Frames(session.root, rig.camera, records, remedy)
-    patch_mm = _patch_before(session) if patch_mm is None else patch_mm
-    patches = PatchFinder(rig.camera, patch_mm)
+    opened = open_frames(session)
+    rig, shots, records, frames = opened.rig, opened.shots, opened.records, opened.frames
+    before = _before(session)
+    if patch_mm is None:
+        patch_mm = (before and before.patch_mm) or PATCH_MM
+    wanted = wanted_in(session, space or _space_of(before), shots)
+    correction = correction_in(session.sensor_calibration)
+    patches = PatchFinder(rig.camera, patch_mm, correction.bad)
     try:
-        calibration = calibrate(frames, rig, patches, shot_exposures(records))
+        calibration = calibrate(frames, rig, patches, shot_exposures(records), correction, wanted)
     finally:
-        _reject(session, frames)
-    rows, problems = [], []
+        reject(session, frames.useless)
+    rows, left_out = measure(shots, frames, patches, rig, calibration, progress)
+    reject(session, frames.useless)
+    warn(session, [str(error) for error in left_out.values()], len(shots), frames)
+    used = [*calibration.records, *(record for row in rows for record in row.records)]
+    provenance = provenance_of(session, used)
+    samples = replace(samples_of(rows, calibration), provenance=provenance, patch_mm=patch_mm)
+    checks = run_checks(
+        _judged(rows, samples, calibration.coloring),
+        left_out,
+        records,
+        calibration.gain,
+        provenance["frames"],
+    )
+    samples = _suspected(samples, {suspect.shot for suspect in checks.suspects})
+    samples.save(session.samples_path)
+    checks.save(session.checks_path)
+    return samples
+
+
+def measure(
+    shots: Sequence[Shot],
+    frames: Frames,
+    patches: PatchFinder,
+    rig: Rig,
+    calibration: Calibration,
+    progress: Progress | None = None,
+) -> tuple[list[Row], dict[int, BadInputError]]:
+    """Return what each shot gives, and of those that cannot be used, by their index, why."""
+    rows: list[Row] = []
+    left_out: dict[int, BadInputError] = {}
     for done, shot in enumerate(shots, start=1):
         try:
             rows.append(_measure(shot, frames, patches, rig, calibration))
         except BadInputError as error:
-            problems.append(str(error))
+            left_out[shot.index] = error
         if progress is not None:
             progress(done, len(shots))
-    _reject(session, frames)
-    _warn(session, problems, len(shots), frames)
-    used = [*calibration.records, *(record for row in rows for record in row.records)]
-    samples = _samples(rows, provenance_of(session, used), patch_mm)
-    samples.save(session.samples_path)
-    return samples
+    return rows, left_out
 
 
-def _patch_before(session: Session) -> float:
+def _before(session: Session) -> Samples | None:
     try:
-        return Samples.load(session.samples_path).patch_mm or PATCH_MM
+        return Samples.load(session.samples_path)
     except BadInputError:
-        return PATCH_MM
+        return None
+
+
+def _space_of(samples: Samples | None) -> str | None:
+    names = {space.name: option for option, space in SPACES.items()} | {CAMERA: "camera"}
+    return names.get(samples.color_space) if samples else None
 
 
 @dataclass(frozen=True)
-class _Row:
-    """One sample, and what the journal says of the frames that it was made from."""
+class Row:
+    """One sample, and what the journal says of the frames that it was made from.
+
+    Sigma and flag are known once all samples are.
+    """
 
     shot: Shot
     records: tuple[FrameRecord, ...]
     readings: tuple[Reading, ...]
+    rate: Rate
     value: NDArray[np.float64]
-    sigma: NDArray[np.float64]
-    flag: NDArray[np.uint32]
+    around: Surroundings
+    sigma: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
+    flag: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(3, np.uint32))
 
     def mean(self, name: str) -> NDArray[np.float64]:
         """Return the mean of a reading's field over the bracket."""
@@ -124,65 +165,98 @@ class _Row:
 
 def _measure(
     shot: Shot, frames: Frames, patches: PatchFinder, rig: Rig, calibration: Calibration
-) -> _Row:
+) -> Row:
     bracket = frames.of_shot(shot)
     readings = tuple(
-        take_reading(frame, calibration.darks[frame.record.exposure_s], patches, rig.lamps)
+        take_reading(
+            frame,
+            calibration.darks[frame.record.exposure_s],
+            patches,
+            rig,
+            calibration.correction,
+        )
         for frame in bracket
     )
     rate = merge(readings, calibration.gain)
-    value, sigma = calibration.response.brdf(rate)
-    return _Row(
+    return Row(
         shot=shot,
         records=tuple(frame.record for frame in bracket),
         readings=readings,
-        value=value,
-        sigma=sigma,
-        flag=_flags(value, sigma, rate, readings),
+        rate=rate,
+        value=calibration.response.brdf(rate),
+        around=look_around(bracket, rig, calibration),
     )
 
 
-def _flags(
-    value: NDArray[np.float64],
-    sigma: NDArray[np.float64],
-    rate: Rate,
-    readings: Sequence[Reading],
-) -> NDArray[np.uint32]:
-    few = np.min([reading.pixels for reading in readings], axis=0) < _FEW_PIXELS
+def samples_of(rows: Sequence[Row], calibration: Calibration) -> Samples:
+    """Return the samples that rows make, with their sigma by components."""
+    values = _values(rows, calibration.coloring)
+    rates, brackets = [row.rate for row in rows], [row.readings for row in rows]
+    components = calibration.budget.components(values, rates, brackets)
+    sigma = np.sqrt(sum(part**2 for part in components.values()))
+    faint = np.where(values.value <= sigma, np.uint32(Flag.FAINT), np.uint32(0))
+    return replace(values, sigma=sigma, flag=values.flag | faint, components=components)
+
+
+def _flags(row: Row) -> NDArray[np.uint32]:
+    few = np.min([reading.pixels for reading in row.readings], axis=0) < _FEW_PIXELS
     # undoing the crosstalk carries what one channel lost into all three
-    clipped = np.full(value.shape, rate.clipped.any())
-    bits = Flag.CLIPPED * clipped + Flag.FAINT * (value <= sigma) + Flag.FEW_PIXELS * few
-    return np.asarray(bits, np.uint32)
+    clipped = np.full(row.value.shape, row.rate.clipped.any())
+    return np.asarray(Flag.CLIPPED * clipped + Flag.FEW_PIXELS * few, np.uint32)
 
 
-def _samples(rows: Sequence[_Row], provenance: dict[str, str], patch_mm: float) -> Samples:
+def _suspected(samples: Samples, suspects: Collection[int]) -> Samples:
+    """Return the samples with the flag of those shots raised."""
+    among = np.isin(samples.shot_index, list(suspects))[:, None]
+    return replace(samples, flag=samples.flag | np.where(among, np.uint32(Flag.SUSPECT), 0))
+
+
+def _judged(rows: Sequence[Row], samples: Samples, coloring: Coloring) -> list[Row]:
+    """Return the rows with what is known of each beside the others, a white's channels all one."""
+    known, white = zip(rows, samples.sigma, samples.flag, strict=True), coloring.white
+    return [
+        replace(row, value=row.value / white, sigma=sigma / white, flag=flag)
+        for row, sigma, flag in known
+    ]
+
+
+def _values(rows: Sequence[Row], coloring: Coloring) -> Samples:
+    value = np.array([row.value for row in rows])
     return Samples(
         light=normalize([row.mean("light") for row in rows]),
         view=normalize([row.mean("view") for row in rows]),
-        value=np.array([row.value for row in rows]),
-        sigma=np.array([row.sigma for row in rows]),
-        flag=np.array([row.flag for row in rows]),
+        value=value,
+        sigma=np.full(value.shape, np.nan),
+        flag=np.array([_flags(row) for row in rows]),
         light_solid_angle=np.array([row.mean("light_solid_angle") for row in rows]),
         view_solid_angle=np.array([row.mean("view_solid_angle") for row in rows]),
         shot_index=np.array([row.shot.index for row in rows], np.int64),
         attempt=np.array([max(r.attempt for r in row.records) for row in rows], np.int64),
-        color_space=COLOR_SPACE,
-        provenance=provenance,
-        patch_mm=patch_mm,
+        channels=coloring.channels,
+        color_space=coloring.space,
+        color_made_by=coloring.made_by,
     )
 
 
-def _reject(session: Session, frames: Frames) -> None:
-    if not frames.useless:
+def reject(session: Session, useless: Mapping[str, str]) -> None:
+    """Note in the journal what is wrong with frames of no use, by file; a resume retakes them."""
+    if not useless:
         return
     with session.journal(writing=True) as journal:
         known = journal.rejected()
-        for file, problem in frames.useless.items():
+        for file, problem in useless.items():
             if file not in known:
                 journal.reject(file, problem)
 
 
-def _warn(session: Session, problems: Sequence[str], shots: int, frames: Frames) -> None:
+def warn(session: Session, problems: Sequence[str], shots: int, frames: Frames) -> None:
+    """Warn of shots and calibration frames that were left out.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        When no shot is left.
+    """
     if len(problems) == shots:
         raise BadInputError(
             f"{session.root}: none of the {shots} shots can be used, the first because of "

@@ -29,18 +29,23 @@ class Response:
     ----------
     rate_per_brdf
         Of a white-balanced camera channel, in the unit of `Rate` per 1/sr, shape (3,).
-    relative_variance
-        Of that, shape (3,): the same error in every sample of a session.
-    camera_from_srgb
-        Linear sRGB to white-balanced camera RGB, shape (3, 3).
+    camera_from_space
+        The space of the results to white-balanced camera RGB, shape (3, 3).
+    rate, readings
+        Of the white reference.
+    light, view
+        Where it was seen, unit vectors, shape (3,).
     """
 
     rate_per_brdf: NDArray[np.float64]
-    relative_variance: NDArray[np.float64]
-    camera_from_srgb: NDArray[np.float64]
+    camera_from_space: NDArray[np.float64]
+    rate: Rate
+    readings: tuple[Reading, ...]
+    light: NDArray[np.float64]
+    view: NDArray[np.float64]
 
-    def brdf(self, rate: Rate) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the BRDF in linear sRGB and one standard uncertainty, in 1/sr, shape (3,) each.
+    def brdf(self, rate: Rate) -> NDArray[np.float64]:
+        """Return the BRDF in the space of the results, in 1/sr, shape (3,).
 
         Clipped channels are cut to the lowest of their bounds, so that a white highlight, which
         they reach at different levels, stays white.
@@ -48,17 +53,22 @@ class Response:
         camera = rate.value / self.rate_per_brdf
         lowest = np.min(camera, where=rate.clipped, initial=np.inf)
         camera = np.where(rate.clipped, lowest, camera)
-        variance = rate.variance / self.rate_per_brdf**2 + camera**2 * self.relative_variance
-        srgb_from_camera = np.linalg.inv(self.camera_from_srgb)
-        # the camera's channels err independently, the sRGB channels made of them do not
-        return srgb_from_camera @ camera, np.sqrt(srgb_from_camera**2 @ variance)
+        return self.in_space(camera)
+
+    def in_space(self, camera: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return white-balanced camera channels, or a signed error of them, in the space."""
+        return np.asarray(camera @ np.linalg.inv(self.camera_from_space).T)
+
+    def sigma_in_space(self, variance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return sigma in the space for variances of camera channels that err independently."""
+        return np.asarray(np.sqrt(variance @ np.linalg.inv(self.camera_from_space).T ** 2))
 
 
 def respond(
     readings: Sequence[Reading],
     gain: float,
     reference: Material,
-    camera_from_srgb: NDArray[np.float64],
+    camera_from_space: NDArray[np.float64],
 ) -> Response:
     """Compare the white frames' rate with the reference's BRDF at their true directions.
 
@@ -78,5 +88,5 @@ def respond(
         normalize(np.mean([getattr(reading, side) for reading in readings], axis=0))
         for side in ("light", "view")
     )
-    known = camera_from_srgb @ reference.evaluate(light, view)
-    return Response(rate.value / known, rate.variance / rate.value**2, camera_from_srgb)
+    known = camera_from_space @ reference.evaluate(light, view)
+    return Response(rate.value / known, camera_from_space, rate, tuple(readings), light, view)

@@ -65,13 +65,13 @@ class Fit:
         return self.family.material(np.array(list(self.shape.values())), self.colors)
 
 
-def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
+def fit_model(name: str, samples: Samples, seed: int = 0, starts: int = STARTS) -> Fit:
     """Fit a model of the registry.
 
     The residual is ln(f + 0.01 white) - ln(value + 0.01 white), whose mean absolute value is the
     metric `male`, under the soft L1 loss; a highlight a thousand times the body would drown
-    everything else in a residual of plain values. Eight starts, spread by a Latin hypercube, are
-    tried on at most 500 samples, and the best goes on with all of them.
+    everything else in a residual of plain values. Starts, spread by a Latin hypercube, are tried on
+    at most 500 samples, and the best goes on with all of them.
 
     Parameters
     ----------
@@ -81,6 +81,8 @@ def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
         One or three channels.
     seed
         Of the starts.
+    starts
+        How many.
 
     Raises
     ------
@@ -97,27 +99,29 @@ def fit_model(name: str, samples: Samples, seed: int = 0) -> Fit:
     problem = _Problem(family, samples)
     with threads_for(1):
         began = thread_time()
-        best, evaluations = _solve(family, problem, np.random.default_rng(seed))
+        best, evaluations = _solve(family, problem, np.random.default_rng(seed), starts)
         return problem.fit_of(best, thread_time() - began, evaluations)
 
 
-def _solve(family: Family, problem: _Problem, rng: np.random.Generator) -> tuple[Any, int]:
+def _solve(
+    family: Family, problem: _Problem, rng: np.random.Generator, count: int
+) -> tuple[Any, int]:
     """Return the best of the starts, and how often the model was evaluated."""
     few = problem.part(rng)
-    starts = [few.solve(place) for place in _starts(family, rng)]
+    starts = [few.solve(place) for place in _starts(family, rng, count)]
     best = min(starts, key=lambda result: result.cost)
     if len(few.values) < len(problem.values):
         best = problem.solve(best.x[: len(family.shape)])
     return best, few.evaluations + (problem.evaluations if problem is not few else 0)
 
 
-def _starts(family: Family, rng: np.random.Generator) -> Floats:
+def _starts(family: Family, rng: np.random.Generator, count: int) -> Floats:
     """Return places of the shape parameters in their boxes, shape (starts, parameters)."""
     from scipy.stats import qmc
 
     if not family.shape:
         return np.empty((1, 0))
-    return np.asarray(qmc.LatinHypercube(len(family.shape), rng=rng).random(STARTS))
+    return np.asarray(qmc.LatinHypercube(len(family.shape), rng=rng).random(count))
 
 
 class _Problem:

@@ -44,6 +44,19 @@ class Belief(NamedTuple):
     share: float
 
 
+class _Part(NamedTuple):
+    """What one belief has left: of the pairs that differ, and which of these each pair is."""
+
+    factor: Array
+    which: NDArray[np.int64]
+    variance: Array
+
+    @property
+    def rest(self) -> Array:
+        """The variance that the factor leaves out, shape (distinct,)."""
+        return np.asarray((self.variance - (self.factor**2).sum(axis=1)).clip(min=0.0))
+
+
 @dataclass(frozen=True)
 class ConditionedPrior:
     """What is still unknown of a material, as `gonio.protocols.Prior`.
@@ -149,17 +162,23 @@ class ConditionedPrior:
         """
         kinds = []
         for beliefs, weight in ((self.told, 1 - DOUBT), (self.before, DOUBT)):
-            factors = [self._factor(belief, light, view, rank) for belief in beliefs]
+            parts = [self._part(belief, light, view, rank) for belief in beliefs]
             left = [
-                belief.share * float((factor**2).sum(axis=1)[which].mean())
-                for belief, (factor, which) in zip(beliefs, factors, strict=True)
+                belief.share * float(part.variance[part.which].mean())
+                for belief, part in zip(beliefs, parts, strict=True)
             ]
             if beliefs is self.before:
                 whole = [self._whole(belief, light, view) for belief in beliefs]
                 left = [part / all_of_it for part, all_of_it in zip(left, whole, strict=True)]
             kinds += [
-                PriorKind(belief.family.name, weight * part / sum(left), *factor)
-                for belief, part, factor in zip(beliefs, left, factors, strict=True)
+                PriorKind(
+                    belief.family.name,
+                    weight * share / sum(left),
+                    part.factor,
+                    part.which,
+                    part.rest,
+                )
+                for belief, share, part in zip(beliefs, left, parts, strict=True)
             ]
         return kinds
 
@@ -169,10 +188,8 @@ class ConditionedPrior:
         variance = belief.family.variances(ground.traits).total(belief.settings)
         return float(variance[ground.which].mean())
 
-    def _factor(
-        self, belief: Belief, light: Array, view: Array, rank: int
-    ) -> tuple[Array, NDArray[np.int64]]:
-        """Return a factor of cov(., i) - K(., s) K_ss^-1 K(s, i), and which each pair is."""
+    def _part(self, belief: Belief, light: Array, view: Array, rank: int) -> _Part:
+        """Return a factor of cov(., i) - K(., s) K_ss^-1 K(s, i), and what it leaves out."""
         family, settings, _ = belief
         ground = self._ground(belief, light, view)
         known = self._known(belief, ground)
@@ -182,7 +199,9 @@ class ConditionedPrior:
             prior = family.covariance(ground.traits, one, settings)[:, 0]
             return np.asarray(prior - known.T @ known[:, index])
 
-        return pivoted_cholesky(_variance(belief, ground, known), column, rank), ground.which
+        variance = _variance(belief, ground, known)
+        factor = pivoted_cholesky(variance, column, rank)
+        return _Part(factor, ground.which, variance)
 
     def _left(self) -> Array:
         """Return the variance left at the 81 x 81 pairs, noise included, shape (6561,)."""

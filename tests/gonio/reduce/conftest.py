@@ -1,6 +1,9 @@
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from gonio.checks import Checks
+from gonio.cli.reduce import command
 from gonio.clock import VirtualClock
 from gonio.creation import create_session
 from gonio.files import sha256_bytes, write_bytes
@@ -9,6 +12,7 @@ from gonio.journal import FrameRecord
 from gonio.notes import Notes
 from gonio.plan import Estimates, LampSetting, Plan, Selection, Shot
 from gonio.rig import AXES, default_rig, default_rig_text
+from gonio.samples import Samples
 from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES, exposures_of
 from sim.camera import SimCamera
 
@@ -18,6 +22,36 @@ SMALL_RIG = default_rig_text().replace("= 160", "= 40").replace("[79.5, 79.5]", 
 """The built-in rig with a sensor that sees little more than the patch, to be quick."""
 
 WHITE_DEG = {"light_theta": 0.0, "light_phi": 0.0, "view_theta": 45.0, "view_phi": 0.0}
+
+
+class Flat:
+    """A material of one BRDF, however high."""
+
+    def __init__(self, brdf):
+        self.brdf = brdf
+
+    def evaluate(self, light, view):
+        return np.full(np.broadcast_shapes(light.shape, view.shape), self.brdf)
+
+
+def reduced(shots, *options):
+    """Run the command on a session; return samples, and checks by name."""
+    done = CliRunner().invoke(command, [str(shots.session.root), *options])
+    if done.exception is not None:
+        raise done.exception
+    checks = Checks.load(shots.session.checks_path)
+    return Samples.load(shots.session.samples_path), {check.name: check for check in checks.checks}
+
+
+def with_pixels(change, size):
+    """Return what alters a file's pixels: change(mosaic) of a sensor of size x size."""
+
+    def changed(data):
+        header, pixels = data[: -2 * size**2], data[-2 * size**2 :]
+        mosaic = change(np.frombuffer(pixels, "<u2").reshape(size, size).astype(np.float64))
+        return header + np.clip(np.round(mosaic), 0, 65535).astype("<u2").tobytes()
+
+    return changed
 
 
 def make_plan(pairs_deg, exposures_s=EXPOSURES, lamps=range(1, 12)):
@@ -58,6 +92,7 @@ class Photographer:
         self._random = np.random.default_rng(seed)
         self._clock = VirtualClock()
         self.journal = self.session.journal(writing=True)
+        self.journal.append(self._clock, "begun")
 
     def calibrate(self, darks=DARK_FRAMES, whites=WHITE_FRAMES):
         for exposure_s in exposures_of(self.plan.shots):

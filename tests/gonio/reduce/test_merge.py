@@ -23,9 +23,13 @@ def reading(rate, exposure_s, *, noise=0.0, saturated=(False,) * 3, pixels=20):
         exposure=np.full(3, exposure_s),
         pixels=np.full(3, pixels),
         saturated=np.array(saturated),
-        read_variance=READ,
+        read_variance=0.75 * READ,
+        dark_variance=0.25 * READ,
+        surround=np.zeros(3),
+        stray=np.zeros(3),
         light=UP,
         view=UP,
+        arms_rad=np.zeros(4),
         light_solid_angle=0.0,
         view_solid_angle=0.0,
     )
@@ -62,7 +66,12 @@ def test_the_unit_of_exposure_scales_the_rate_and_nothing_else(rate, exposures, 
 def test_the_unit_of_signal_scales_value_and_sigma_alike(rate, exposures, scale):
     bracket = [reading(rate, s) for s in exposures]
     scaled = [
-        replace(one, signal=scale * one.signal, read_variance=scale**2 * one.read_variance)
+        replace(
+            one,
+            signal=scale * one.signal,
+            read_variance=scale**2 * one.read_variance,
+            dark_variance=scale**2 * one.dark_variance,
+        )
         for one in bracket
     ]
     one, other = merge(bracket, GAIN), merge(scaled, scale * GAIN)

@@ -11,7 +11,7 @@ from gonio.reduce.color import camera_from_srgb
 from gonio.reduce.dark import mean_dark
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.light import Source
-from gonio.reduce.merge import Rate
+from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
 from gonio.reduce.raw import Sensor
 from gonio.reduce.reading import Reading
@@ -38,7 +38,7 @@ def test_dark_frames_give_mean_and_read_noise():
     stack = [np.round(1024 + fixed + 5 * random.normal(size=fixed.shape)) for _ in range(4)]
     dark = mean_dark(stack)
     assert dark.read_variance == pytest.approx(25 + 1 / 12, rel=0.03)
-    assert dark.pixel_variance == pytest.approx(1.25 * dark.read_variance)
+    assert dark.mean_variance == pytest.approx(0.25 * dark.read_variance)
     assert (dark.mean - 1024 - fixed).std() == pytest.approx(2.5, rel=0.05)
 
 
@@ -189,8 +189,12 @@ def white_reading(signal, saturated=False):
         pixels=np.full(3, 30),
         saturated=np.full(3, saturated),
         read_variance=10.0,
+        dark_variance=2.5,
+        surround=np.zeros(3),
+        stray=np.zeros(3),
         light=from_degrees(0, 0),
         view=from_degrees(45, 0),
+        arms_rad=np.zeros(4),
         light_solid_angle=0.0,
         view_solid_angle=0.0,
     )
@@ -199,10 +203,8 @@ def white_reading(signal, saturated=False):
 def test_the_reference_comes_back_as_itself():
     matrix = camera_from_srgb(SENSOR.color_matrix)
     response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), matrix)
-    rate = Rate(np.array([1000.0, 1800.0, 1200.0]), np.zeros(3), np.zeros(3, bool))
-    value, sigma = response.brdf(rate)
-    np.testing.assert_allclose(value, 0.99 / np.pi)
-    assert (sigma > 0).all()
+    rate = merge([white_reading([500.0, 900.0, 600.0])], 1.0)
+    np.testing.assert_allclose(response.brdf(rate), 0.99 / np.pi)
 
 
 def test_a_colored_reference_is_allowed_for():
@@ -213,8 +215,8 @@ def test_a_colored_reference_is_allowed_for():
     matrix = camera_from_srgb(SENSOR.color_matrix)
     signal = 1000.0 * matrix @ [0.3, 0.2, 0.25] * [0.5, 1.0, 0.6]
     response = respond([white_reading(signal)], 1.0, Pink(), matrix)
-    value, _ = response.brdf(Rate(2 * signal, np.zeros(3), np.zeros(3, bool)))
-    np.testing.assert_allclose(value, [0.3, 0.2, 0.25])
+    rate = merge([white_reading(signal)], 1.0)
+    np.testing.assert_allclose(response.brdf(rate), [0.3, 0.2, 0.25])
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import re
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from gonio.errors import BadFileError
@@ -77,6 +77,12 @@ def test_a_frame_comes_as_it_was_written(tmp_path):
     assert sensor.saturation == pytest.approx(1024 + 0.98 * 64511)
 
 
+def test_a_frame_need_not_state_a_color_matrix(tmp_path):
+    path = tmp_path / "frame.dng"
+    path.write_bytes(without(50721))
+    assert read_raw(path).sensor.color_matrix == ()
+
+
 @pytest.mark.parametrize("cfa", ["RGGB", "BGGR", "GRBG", "GBRG"])
 def test_each_pixel_knows_its_filter(tmp_path, cfa):
     path = tmp_path / "frame.dng"
@@ -97,7 +103,7 @@ DAMAGED = {
     "a picture in TIFF": (rgb_tiff(), "holds no Bayer plane"),
     "no exposure time": (without(33434), "states no ExposureTime"),
     "no EXIF": (without(34665), "states no ExposureTime"),
-    "no color matrix": (without(50721), "has no ColorMatrix1"),
+    "a small color matrix": (dng(color_matrix=np.eye(2)), "has a ColorMatrix1 that is not 3 x 3"),
 }
 
 
@@ -127,6 +133,7 @@ def test_a_flipped_bit_is_seen_by_its_hash_alone(tmp_path):
         read_raw(path, sha256_bytes(dng()))
 
 
+@example(flips=[(120, 3)])
 @given(flips=st.lists(st.tuples(st.integers(0, 560), st.integers(0, 7)), min_size=1, max_size=3))
 @settings(max_examples=300, deadline=None)
 def test_no_header_however_damaged_ends_in_a_traceback(tmp_path_factory, flips):

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from gonio.clock import VirtualClock
+from gonio.directions import paper_directions
 from gonio.errors import BadFileError, BadInputError
+from gonio.materials import MeasuredTable
 from gonio.reduce import reduce_session
 from gonio.samples import Flag, Samples
 from nnbrdf.analytic import Lambert
@@ -39,10 +41,8 @@ def test_the_material_comes_back_from_all_directions(photographer, material):
     z = errors(samples, material) / samples.sigma
     assert np.abs(z).max() < 3.5
     known = material.evaluate(samples.light, samples.view)
-    # all shots share the white's error, of the order of 0.3 %
-    np.testing.assert_allclose(
-        samples.value.mean(axis=0), known.mean(axis=0), rtol=0.005, atol=3e-4
-    )
+    # all shots share the white's error, of the order of 0.3 %, more in blue
+    np.testing.assert_allclose(samples.value.mean(axis=0), known.mean(axis=0), rtol=0.01, atol=3e-4)
     assert not (samples.flag & (Flag.CLIPPED | Flag.FAINT)).any()
 
 
@@ -321,11 +321,11 @@ def test_a_failed_reduction_leaves_the_last_one(photographer):
     assert shots.session.samples_path.read_bytes() == before
 
 
-def test_a_reference_that_is_a_table(photographer, tmp_path):
-    from gonio.materials import MeasuredTable
-
+def test_a_reference_enters_by_its_own_brdf(photographer, tmp_path):
     table = tmp_path / "reference.npz"
-    MeasuredTable.of(np.full((81, 81, 3), 0.25) * [1.0, 0.9, 0.8]).save(table)
+    # at 0:45 it sends back less than at most pairs, and not as much of every color
+    values = load_material("velvet").evaluate(paper_directions()[:, None], paper_directions())
+    MeasuredTable.of(5.0 * values).save(table)
     rig_text = SMALL_RIG.replace("reference = 0.99", f'reference = "{table}"')
     shots = photographer(ONE, GREY, exposures_s=(0.2,), rig_text=rig_text, seed=4)
     samples = reduce_session(shots.calibrate().shoot().session)

@@ -1,3 +1,6 @@
+import csv
+
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -5,6 +8,7 @@ from gonio.cli.reduce import command
 from gonio.errors import BadInputError
 from gonio.reduce import PATCH_MM
 from gonio.samples import Samples
+from gonio.tables import read_table
 from nnbrdf.analytic import Lambert
 
 from .conftest import SMALL_RIG
@@ -71,3 +75,36 @@ def test_another_gonio_on_the_session_is_refused(shots):
     with shots.session.lock():
         refused = CliRunner().invoke(command, [str(shots.session.root)])
     assert "another gonio works on this session" in str(refused.exception)
+
+
+def test_a_table_of_the_brdf_reads_back_as_the_samples(shots, gonio, tmp_path):
+    done = gonio("reduce", shots.session.root, "--csv", tmp_path / "f.csv")
+    assert done.returncode == 0, done.stderr
+    samples, table = Samples.load(shots.session.samples_path), read_table(tmp_path / "f.csv")
+    np.testing.assert_array_equal(table.value, samples.value)
+    np.testing.assert_array_equal(table.sigma, samples.sigma)
+    np.testing.assert_allclose(table.light, samples.light, atol=1e-12)
+    np.testing.assert_allclose(table.view, samples.view, atol=1e-12)
+
+
+def test_a_table_of_the_reflectance_factor_is_pi_times_that_and_taken_for_nothing_else(
+    shots, gonio, tmp_path
+):
+    table = tmp_path / "factors.csv"
+    gonio("reduce", shots.session.root, "--csv", table, "--quantity", "reflectance-factor")
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    samples = Samples.load(shots.session.samples_path)
+    for index, channel in enumerate("rgb"):
+        for prefix, told in (("", samples.value), ("sigma_", samples.sigma)):
+            factor = [float(row[f"{prefix}reflectance_factor_{channel}"]) for row in rows]
+            np.testing.assert_allclose(factor, np.pi * told[:, index])
+    refused = gonio("reconstruct", table, "-o", tmp_path / "model")
+    assert refused.returncode == 2
+    assert "factors.csv" in refused.stderr
+
+
+def test_a_quantity_without_a_table_is_refused(shots, gonio):
+    refused = gonio("reduce", shots.session.root, "--quantity", "reflectance-factor")
+    assert refused.returncode == 2
+    assert "name one with --csv FILE" in refused.stderr

@@ -65,7 +65,7 @@ def test_the_factor_is_that_of_the_conditional_covariance(setting, number):
 def test_shares_count_what_is_unknown_and_half_of_what_was_believed_before():
     known = conditioned(pairs_of(3, 40))
     kinds = known.kinds(GRID.light, GRID.view, 100)
-    left = [(kind.factor**2).sum(1)[kind.which].mean() for kind in kinds]
+    left = [((kind.factor**2).sum(1) + kind.rest)[kind.which].mean() for kind in kinds]
     told, before = kinds[:-2], kinds[-2:]
     assert len(told) == len(known.told)
     parts = [belief.share * part for belief, part in zip(known.told, left, strict=False)]

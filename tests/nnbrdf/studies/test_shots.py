@@ -46,6 +46,7 @@ def test_pca_ridge_tells_a_material_of_its_kind():
     assert (told >= 0).all()
 
 
+@pytest.mark.slow
 def test_pca_ridge_gives_an_example_back_when_it_sees_all():
     values = np.repeat(PRIOR.families[-1].examples.select(slice(3, 4)).evaluate(GRID), 3, axis=1)
     white = 4 * float(np.median(values))
@@ -192,6 +193,7 @@ def test_no_material_at_all_is_refused(tmp_path, monkeypatch, capsys):
     assert "give --generated 10" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_page(tmp_path, monkeypatch, capsys):
     from gonio.cli import main
 

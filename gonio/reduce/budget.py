@@ -1,0 +1,136 @@
+"""The uncertainty budget: each cause carried through the measurement equation (GUM)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio.reduce.causes import Causes
+from gonio.reduce.slope import smooth_fit
+from gonio.reduce.tolerance import axis_effects, seat_effects
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from gonio.protocols import Material
+    from gonio.reduce.doubt import Doubt
+    from gonio.reduce.merge import Rate
+    from gonio.reduce.reading import Reading
+    from gonio.reduce.white import Response
+    from gonio.rig import Rig
+    from gonio.samples import Samples
+
+    Array = NDArray[np.float64]
+
+_MM_PER_M = 1000.0
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Carries uncertainties from the camera's channels to samples.
+
+    The law of propagation, JCGM 100:2008 (GUM) equations 10 and 13: squares of independent causes
+    add up; a cause that two inputs share is carried with its sign through both before it is
+    squared, so the zero of an axis, the black level and stray light partly cancel against the
+    white reference.
+
+    Attributes
+    ----------
+    rig
+        Its `uncertainty` is what is stated.
+    reference
+        The white reference, in the space of the results.
+    response
+        What the white frames told.
+    doubt
+        How well the sensor's correction is known.
+    """
+
+    rig: Rig
+    reference: Material
+    response: Response
+    doubt: Doubt
+
+    def components(
+        self, samples: Samples, rates: Sequence[Rate], brackets: Sequence[Sequence[Reading]]
+    ) -> dict[str, Array]:
+        """Return standard uncertainties in 1/sr, shape (n, 3), by `gonio.uncertainty.COMPONENTS`.
+
+        Parameters
+        ----------
+        samples
+            Directions and values; their sigma is not read.
+        rates, brackets
+            What each value was made from.
+        """
+        stated, response = self.rig.uncertainty, self.response
+        camera = samples.value @ response.camera_from_space.T
+        causes = Causes(response, camera, rates, brackets, self.doubt)
+        flux, flux_of_white = causes.frame_by_frame()
+        angle, alignment = self._geometry(samples, camera, brackets)
+        level = stated.black_level_dn * causes.common("level")
+        white_flux = stated.flux_monitor * flux_of_white * samples.value
+        return {
+            "photon": causes.independent("photon"),
+            "read": causes.independent("read"),
+            "dark": np.hypot(causes.independent("dark"), level),
+            "white": np.hypot(causes.white_noise(), white_flux),
+            "calibration": causes.calibration(),
+            "flux": stated.flux_monitor * flux,
+            "angle": angle,
+            "alignment": alignment,
+            "stray": np.abs(self._stray_light * causes.common("surround")),
+            "reference": np.abs(stated.reference * samples.value),
+        }
+
+    @property
+    def _stray_light(self) -> float:
+        """What the rig file states, unless it takes the share as the calibration saw it."""
+        stated = self.rig.uncertainty.stray_light
+        return (
+            stated
+            if self.rig.camera.stray_light
+            else float(np.hypot(stated, self.doubt.stray_light))
+        )
+
+    def _geometry(
+        self, samples: Samples, camera: Array, brackets: Sequence[Sequence[Reading]]
+    ) -> tuple[Array, Array]:
+        """Return the components angle and alignment, each of shape (n, 3)."""
+        stated = self.rig.uncertainty
+        if not (stated.angle_deg or stated.tilt_deg or stated.height_mm):
+            return np.zeros(samples.value.shape), np.zeros(samples.value.shape)
+        arms = np.array([_arms(bracket) for bracket in brackets])
+        angle, seat = self._effects(smooth_fit(samples), arms, samples.light, samples.view)
+        white = np.atleast_2d(
+            _arms(self.response.readings), self.response.light, self.response.view
+        )
+        at_white = self._effects(self.reference, *white)
+        angle_white, seat_white = (camera * self._camera_share(each) for each in at_white)
+        turned = samples.value * angle - self.response.in_space(angle_white)
+        moved = np.concatenate([samples.value * seat, self.response.in_space(seat_white)])
+        return np.sqrt((turned**2).sum(axis=0)), np.sqrt((moved**2).sum(axis=0))
+
+    def _effects(
+        self, material: Material, arms_rad: Array, light: Array, view: Array
+    ) -> tuple[Array, Array]:
+        stated = self.rig.uncertainty
+        seat = seat_effects(
+            material, light, view, tilt_rad=np.radians(stated.tilt_deg), height_mm=stated.height_mm,
+            distance_mm=_MM_PER_M * self.rig.lamps.distance_m,
+        )  # fmt: skip
+        return axis_effects(material, arms_rad, float(np.radians(stated.angle_deg))), seat
+
+    def _camera_share(self, effects: Array) -> Array:
+        """Return relative errors of the reference in camera channels, from those in the space."""
+        known = self.reference.evaluate(self.response.light, self.response.view)
+        matrix = self.response.camera_from_space.T
+        return np.asarray((effects * known) @ matrix / (known @ matrix))
+
+
+def _arms(bracket: Sequence[Reading]) -> Array:
+    return np.asarray(np.mean([reading.arms_rad for reading in bracket], axis=0))

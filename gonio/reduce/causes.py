@@ -1,0 +1,141 @@
+"""What each cause of uncertainty does to the rates, carried from there to samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from gonio.reduce.doubt import Doubt
+    from gonio.reduce.merge import Rate
+    from gonio.reduce.reading import Reading
+    from gonio.reduce.white import Response
+
+    Array = NDArray[np.float64]
+
+_NOISE: Final = ("photon", "read", "dark")
+
+
+@dataclass(frozen=True)
+class Causes:
+    """Carries causes by name from rates of samples and of the white reference to a space.
+
+    Names are `photon`, `read` and `dark` for one sigma of such noise, `level` for one raw unit in
+    every frame, `surround` for a stray share of one, and `spread` for a relative error of one in
+    each frame by itself.
+
+    Attributes
+    ----------
+    response
+        What the white frames told.
+    camera
+        The samples' BRDF in camera channels, 1/sr, shape (n, 3).
+    rates, brackets
+        What each sample was made from.
+    doubt
+        How well the sensor's correction is known.
+    """
+
+    response: Response
+    camera: Array
+    rates: Sequence[Rate]
+    brackets: Sequence[Sequence[Reading]]
+    doubt: Doubt
+
+    def independent(self, name: str) -> Array:
+        """Return sigma for a cause that errs in each camera channel by itself, shape (n, 3)."""
+        return self.response.sigma_in_space((self._of_samples[name] / self._scale) ** 2)
+
+    def common(self, name: str) -> Array:
+        """Return the signed error for a cause that samples and white frames share, shape (n, 3)."""
+        through_white = self.camera * self._of_white[name] / self.response.rate.value
+        return self.response.in_space(self._of_samples[name] / self._scale - through_white)
+
+    def white_noise(self) -> Array:
+        """Return sigma for the noise of the white frames, shape (n, 3)."""
+        relative = self.response.rate.variance / self.response.rate.value**2
+        return self.response.sigma_in_space(self.camera**2 * relative)
+
+    def calibration(self) -> Array:
+        """Return sigma for the sensor's correction, shape (n, 3).
+
+        The pixels of sample and white reference count as other ones, whose responses err by
+        themselves. What bends and what lamps do to both cancels.
+        """
+        pixels, of_white = (self._pixels(bracket) for bracket in (self.brackets, [self._whites]))
+        variance = self.camera**2 * self.doubt.flat**2 * (1.0 / pixels + 1.0 / of_white)
+        squares = self.response.sigma_in_space(variance) ** 2
+        squares += sum((self._bent(each) ** 2 for each in self.doubt.bends), np.zeros(1))
+        return np.sqrt(squares + self._lamps() ** 2)
+
+    def frame_by_frame(self) -> tuple[Array, float]:
+        """Return what is left of a relative error of one: of samples, shape (n, 3), of the white.
+
+        All channels of a frame err alike.
+        """
+        of_samples = self.response.in_space(self._of_samples["spread"] * self.camera)
+        return np.abs(of_samples), float(self._of_white["spread"].max())
+
+    @property
+    def _whites(self) -> Sequence[Reading]:
+        return self.response.readings
+
+    @staticmethod
+    def _pixels(brackets: Sequence[Sequence[Reading]]) -> Array:
+        """Return how many pixels each bracket has in its smallest patch, shape (n, 3)."""
+        return np.array([np.min([r.pixels for r in each], axis=0) for each in brackets], np.float64)
+
+    def _bent(self, coefficients: Array) -> Array:
+        """Return the signed error for an error of the linearity's coefficients, shape (n, 3)."""
+        one = replace(self.doubt, bends=coefficients[None])
+        of_samples = [_bending(one, *pair) for pair in zip(self.rates, self.brackets, strict=True)]
+        of_white = _bending(one, self.response.rate, self._whites)
+        through_white = self.camera * of_white / self.response.rate.value
+        return self.response.in_space(np.array(of_samples) / self._scale - through_white)
+
+    def _lamps(self) -> Array:
+        """Return sigma for the lamps' strengths, shape (n, 3)."""
+        shares, of_white = (
+            np.array([np.mean([r.lamps for r in each], axis=0) for each in brackets])
+            for brackets in (self.brackets, [self._whites])
+        )
+        relative = np.linalg.norm((shares - of_white) * self.doubt.lamps, axis=1)
+        return self.response.in_space(self.camera * relative[:, None])
+
+    @property
+    def _scale(self) -> Array:
+        return self.response.rate_per_brdf
+
+    @cached_property
+    def _of_samples(self) -> dict[str, Array]:
+        each = [_effects(*pair) for pair in zip(self.rates, self.brackets, strict=True)]
+        return {name: np.array([effects[name] for effects in each]) for name in each[0]}
+
+    @cached_property
+    def _of_white(self) -> dict[str, Array]:
+        return _effects(self.response.rate, self.response.readings)
+
+
+def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:
+    """Return what the one error of linearity in `doubt` does to a rate, shape (3,)."""
+    signal = np.array([reading.signal for reading in bracket])
+    return np.asarray((rate.per_signal * signal * doubt.bending(signal)[0]).sum(axis=0))
+
+
+def _effects(rate: Rate, bracket: Sequence[Reading]) -> dict[str, Array]:
+    """Return what one unit of each cause does to a rate, shape (3,) each."""
+    surround = np.array([reading.surround for reading in bracket])
+    return {
+        **{name: np.sqrt(getattr(rate, name)) for name in _NOISE},
+        "level": rate.per_signal.sum(axis=0),
+        "surround": (rate.per_signal * surround).sum(axis=0),
+        # how much of a relative error of single frames is left in their weighted mean
+        "spread": np.sqrt((rate.weights**2).sum(axis=0)),
+    }

@@ -1,0 +1,73 @@
+"""How well a correction of the sensor is known, and what that does to signals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gonio.calibration import CalibrationDocument
+
+_LAMPS: Final = 11
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Standard uncertainties of a correction; without arguments, of one that corrects nothing.
+
+    Attributes
+    ----------
+    flat
+        Of a single pixel's response, relative; pixels err by themselves.
+    bends
+        Errors of the linearity's coefficients that occur independently, one sigma each, shape
+        (n, degree).
+    raw_range
+        In raw units, which the linearity is a function of the share of.
+    lamps
+        Of each lamp's strength, relative, shape (11,).
+    stray_light
+        Of the share of stray light.
+    """
+
+    flat: float = 0.0
+    bends: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 1)))
+    raw_range: float = 1.0
+    lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(_LAMPS))
+    stray_light: float = 0.0
+
+    @classmethod
+    def of(cls, document: CalibrationDocument) -> Doubt:
+        """Return what a calibration says of itself; older ones say less."""
+        lamps = np.zeros(_LAMPS)
+        for lamp in document.lamps:
+            lamps[lamp.n - 1] = lamp.sigma / lamp.strength
+        errors = document.linearity.errors
+        return cls(
+            flat=document.flat_sigma,
+            bends=np.array(errors).reshape(len(errors), len(document.linearity.coefficients)),
+            raw_range=document.linearity.raw_range,
+            lamps=lamps,
+            stray_light=document.stray_light.sigma if document.stray_light else 0.0,
+        )
+
+    def bending(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return by which share of itself a signal errs for each of `bends`.
+
+        Parameters
+        ----------
+        signal
+            Above dark, in raw units, shape (...).
+
+        Returns
+        -------
+        ndarray
+            Signed, shape (n, ...).
+        """
+        powers = np.arange(1, self.bends.shape[1] + 1)
+        share = np.asarray(signal)[..., None] / self.raw_range
+        return np.moveaxis((share**powers) @ self.bends.T, -1, 0)
