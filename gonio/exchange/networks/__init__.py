@@ -1,0 +1,1 @@
+"""The network of an NN-BRDF inside other programs: as a graph, as source text, as a plugin."""
