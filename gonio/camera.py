@@ -33,14 +33,43 @@ class Camera:
 
     def project(self, points_mm: ArrayLike, pose: ArmPose) -> NDArray[np.float64]:
         """Return the pixels (column, row), shape (n, 2), of points in mm, shape (n, 3)."""
+        # turned here: cv2.Rodrigues loses half the digits near half a turn, the view from above
+        eye = pose.place(1000.0 * self.spec.distance_m)
+        points = (np.asarray(points_mm, np.float64).reshape(-1, 3) - eye) @ _turn(pose).T
+        return self.project_seen(points)
+
+    def project_seen(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the same of points in the camera's own frame (x right, y down, z forward)."""
         import cv2
 
-        # turned here: cv2.Rodrigues loses half the digits near half a turn, the view from above
-        points = np.asarray(points_mm, np.float64).reshape(-1, 3) @ _turn(pose).T
-        points[:, 2] += 1000.0 * self.spec.distance_m
         still = np.zeros(3)
         pixels, _ = cv2.projectPoints(points, still, still, self.matrix, self.distortion)
         return np.asarray(pixels, np.float64).reshape(-1, 2)
+
+    def plane_pixels(
+        self, x_mm: NDArray[np.float64], y_mm: NDArray[np.float64], pose: ArmPose
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the columns and rows of a grid on the sample's plane, shape (len(y), len(x)) each.
+
+        As `project` of its points, and many times as quick: a homography, and then the lens.
+        """
+        across, down, ahead = (
+            row[0] * x_mm + (row[1] * y_mm + row[2])[:, None] for row in self.plane_rays(pose)
+        )
+        u, v = across / ahead, down / ahead
+        if self.spec.distortion:
+            u, v = _distorted(u, v, self.spec.distortion)
+        (x, y), focal = self.spec.centre_px, self.spec.focal_px
+        return focal * u + x, focal * v + y
+
+    def plane_rays(self, pose: ArmPose) -> NDArray[np.float64]:
+        """Return the homography from (x, y, 1) on the sample's plane to the camera's frame, 3 x 3.
+
+        What comes out is right, down and ahead, in mm.
+        """
+        turn = _turn(pose)
+        shift = -turn @ pose.place(1000.0 * self.spec.distance_m)
+        return np.column_stack([turn[:, 0], turn[:, 1], shift])
 
     def plane_points(self, pose: ArmPose) -> NDArray[np.float64]:
         """Return where each pixel's ray meets the sample's plane.
@@ -70,3 +99,16 @@ class Camera:
 def _turn(pose: ArmPose) -> NDArray[np.float64]:
     """Return the rotation from the sample's frame to the camera's (x right, y down, z forward)."""
     return np.stack([pose.right, -pose.up, -pose.direction])
+
+
+def _distorted(
+    u: NDArray[np.float64], v: NDArray[np.float64], distortion: tuple[float, ...]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return where the lens puts rays of slopes u and v (Brown 1971, in OpenCV's order)."""
+    k1, k2, p1, p2, k3 = distortion
+    square = u * u + v * v
+    radial = 1.0 + square * (k1 + square * (k2 + square * k3))
+    return (
+        u * radial + 2.0 * p1 * u * v + p2 * (square + 2.0 * u * u),
+        v * radial + p1 * (square + 2.0 * v * v) + 2.0 * p2 * u * v,
+    )

@@ -19,6 +19,7 @@ from gonio.directions import from_spherical
 from gonio.errors import BadInputError
 from gonio.geometry import HOLDER_RADIUS_MM
 from gonio.rig import AXES
+from gonio.timemodel import WHITE_POSE_DEG
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -35,6 +36,8 @@ ROUND_OFF = 1e-9
 """Radians by which a pose may miss a limit: directions of a grid stand exactly at round ones."""
 
 
+_THINNEST_MM = 10.0
+
 _FAR = 0.5
 """Radians from which on a margin need not be exact."""
 
@@ -48,6 +51,8 @@ class Limit(Protocol):
         Why a pose that does not is left out.
     columns
         Which axes of a pose it looks at.
+    deepest
+        How far below 0 the margin can fall, in radians.
     """
 
     @property
@@ -55,6 +60,9 @@ class Limit(Protocol):
 
     @property
     def columns(self) -> tuple[int, ...]: ...  # noqa: D102
+
+    @property
+    def deepest(self) -> float: ...  # noqa: D102
 
     def margin(self, angles_deg: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the radians that are left, shape (n,), for the columns' angles, (n, columns)."""
@@ -67,6 +75,11 @@ class ArmsApart:
     least: float
     reason: str
     columns: tuple[int, ...] = (0, 1, 2, 3)
+
+    @property
+    def deepest(self) -> float:
+        """How far below 0 the margin can fall, in radians."""
+        return self.least
 
     def margin(self, angles_deg: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the angle between the arms less the required one."""
@@ -84,7 +97,7 @@ class OutOfBoxes:
     Attributes
     ----------
     reach_mm, radius_mm
-        Of the head: its distance from the sample, and half its width.
+        Of the head: its distance from the sample, and half its width, above 0.
     """
 
     columns: tuple[int, ...]
@@ -98,6 +111,11 @@ class OutOfBoxes:
         towards = _directions(angles_deg)
         gap_mm = np.min([self._gap_mm(towards, box) for box in self.boxes], axis=0)
         return np.asarray((gap_mm - self.radius_mm) / self.reach_mm)
+
+    @property
+    def deepest(self) -> float:
+        """How far below 0 the margin can fall, in radians."""
+        return self.radius_mm / self.reach_mm
 
     def _gap_mm(self, towards: NDArray[np.float64], box: KeepOut) -> NDArray[np.float64]:
         near_mm = min(HOLDER_RADIUS_MM, self.reach_mm)
@@ -130,10 +148,15 @@ def limits_of(rig: Rig) -> tuple[Limit, ...]:
         view, light = COLUMNS["view"], COLUMNS["light"]
         camera_mm, lamps_mm = 1000.0 * rig.camera.distance_m, 1000.0 * rig.lamps.distance_m
         limits += [
-            OutOfBoxes(view, camera_mm, rig.arm.arm_width_mm / 2.0, boxes),
-            OutOfBoxes(light, lamps_mm, rig.arm.lamp_width_mm / 2.0, boxes),
+            OutOfBoxes(view, camera_mm, _radius_mm(rig.arm.arm_width_mm), boxes),
+            OutOfBoxes(light, lamps_mm, _radius_mm(rig.arm.lamp_width_mm), boxes),
         ]
     return tuple(limits)
+
+
+def _radius_mm(width_mm: float) -> float:
+    """Return half a width; no arm is a line, and one without a width would touch nothing."""
+    return max(width_mm / 2.0, _THINNEST_MM)
 
 
 def not_free(poses_deg: ArrayLike, rig: Rig) -> dict[str, NDArray[np.bool_]]:
@@ -183,6 +206,20 @@ def check_pose(pose_deg: ArrayLike, rig: Rig) -> None:
                 f"{spoken(pose)} is {reason}; make a new plan with gonio plan --rig, or correct "
                 "the rig file if it is wrong"
             )
+
+
+def check_white(rig: Rig) -> None:
+    """Refuse a rig that cannot see the white reference at 0:45: nothing it takes has a scale.
+
+    Raises
+    ------
+    BadInputError
+        As `check_pose`, naming the white reference.
+    """
+    try:
+        check_pose([WHITE_POSE_DEG[name] for name in AXES], rig)
+    except BadInputError as error:
+        raise BadInputError(f"white reference: {error}") from None
 
 
 def spoken(pose_deg: NDArray[np.float64]) -> str:

@@ -28,11 +28,20 @@ class Clock(Protocol):
 
 
 class SystemClock:
-    """The machine's own time."""
+    """The machine's own time.
+
+    Parameters
+    ----------
+    start
+        Seconds that count as passed already (a resumed session goes on).
+    """
+
+    def __init__(self, start: float = 0.0) -> None:
+        self._zero_s = time.monotonic() - start
 
     def now(self) -> float:
-        """Return `time.monotonic()`."""
-        return time.monotonic()
+        """Return the seconds passed; no change of the date moves them."""
+        return time.monotonic() - self._zero_s
 
     def sleep(self, seconds: float) -> None:
         """Sleep for real."""

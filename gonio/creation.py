@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import errno
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gonio.errors import BadInputError, StorageError
-from gonio.files import sync_file, write_bytes
+from gonio.files import write_bytes
+from gonio.newfolder import new_folder
 from gonio.planchain import FIRST_NAME
 from gonio.reference import keep_reference
 from gonio.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from gonio.notes import Notes
     from gonio.plan import Plan
@@ -45,20 +43,15 @@ def create_session(
     gonio.errors.StorageError
         When the operating system refuses.
     """
-    if root.exists() and (not root.is_dir() or any(root.iterdir())):
-        raise _exists(root)
-    try:
-        root.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(
-            dir=root.parent, prefix=f".{root.name}.", ignore_cleanup_errors=True
-        ) as aside:
-            session = Session(Path(aside) / "session")
-            _fill(session, plan, rig_text, notes)
-            if furnish is not None:
-                furnish(session)
-            _move(session.root, root)
-    except OSError as error:
-        raise StorageError.from_os(root, error) from error
+    remedy = (
+        "name another folder with -o, or go on with what was begun there: "
+        f"{Session(root).resume_command}"
+    )
+    with new_folder(root, remedy) as aside:
+        session = Session(aside)
+        _fill(session, plan, rig_text, notes)
+        if furnish is not None:
+            furnish(session)
     return Session(root)
 
 
@@ -69,20 +62,3 @@ def _fill(session: Session, plan: Plan, rig_text: str, notes: Notes) -> None:
     keep_reference(session)
     notes.save(session.notes_path)
     plan.save(session.plans / FIRST_NAME)
-
-
-def _move(aside: Path, root: Path) -> None:
-    try:
-        aside.rename(root)
-    except OSError as error:
-        if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
-            raise _exists(root) from None
-        raise
-    sync_file(root.parent)
-
-
-def _exists(root: Path) -> BadInputError:
-    return BadInputError(
-        f"{root}: exists already and is never overwritten; name another folder with -o, or go on "
-        f"with what was begun there: {Session(root).resume_command}"
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,8 +62,21 @@ class DeviceFaultError(GonioError):
     exit_code = 3
 
 
+class FrameLostError(DeviceFaultError):
+    """The file of an exposure did not come, or is of no use; the rig itself is well."""
+
+
 class TransportTimeoutError(DeviceFaultError):
     """A device did not answer in time; whether it acted is unknown."""
+
+
+class TransportLostError(DeviceFaultError):
+    """The port or connection to a device is gone; whether it acted is unknown."""
+
+
+_BUSY: Final = "it is busy: see its manual"
+_NOBODY: Final = "no drive answers there: switch it on, or correct its unit in the rig file"
+_REMEDIES: Final = {5: _BUSY, 6: _BUSY, 0x0A: _NOBODY, 0x0B: _NOBODY}
 
 
 class RegisterError(DeviceFaultError):
@@ -76,9 +89,9 @@ class RegisterError(DeviceFaultError):
     """
 
     def __init__(self, unit: int, address: int, code: int) -> None:
+        remedy = _REMEDIES.get(code, "compare the rig file's profile with the drive's manual")
         super().__init__(
-            f"unit {unit}, register 0x{address:04X}: the drive answered exception {code}; "
-            "compare the rig file's profile with the drive's manual"
+            f"unit {unit}, register 0x{address:04X}: the drive answered exception {code}; {remedy}"
         )
         self.code = code
 

@@ -103,14 +103,28 @@ def _utf8(text: str) -> bytes:
 
 
 def move_into(source: Path, target: Path) -> None:
-    """Rename `source` to `target` on the same disk, syncing the file and both folders."""
+    """Move `source` to `target`, whole or not at all, syncing the file and both folders."""
     try:
         sync_file(source)
-        source.replace(target)
+        _replace(source, target)
         for folder in {source.parent, target.parent}:
             sync_file(folder)
     except OSError as error:
         raise StorageError.from_os(target, error) from error
+
+
+def _replace(source: Path, target: Path) -> None:
+    try:
+        source.replace(target)
+    except OSError as error:
+        if error.errno != errno.EXDEV:
+            raise
+        # a camera's folder may lie on another disk
+        aside = target.with_name(f".{target.name}.part")
+        shutil.copyfile(source, aside)
+        sync_file(aside)
+        aside.replace(target)
+        source.unlink()
 
 
 def check_room(folder: Path) -> None:
@@ -138,6 +152,23 @@ def check_room(folder: Path) -> None:
             raise _refusal(errno.ENOSPC)
     except OSError as error:
         raise StorageError.from_os(folder, error) from error
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder where there is none; its name is synced to the disk.
+
+    Raises
+    ------
+    StorageError
+        When the operating system refuses.
+    """
+    if path.is_dir():
+        return
+    try:
+        path.mkdir()
+        sync_file(path.parent)
+    except OSError as error:
+        raise StorageError.from_os(path, error) from error
 
 
 def remove_file(path: Path) -> None:

@@ -26,13 +26,18 @@ def homing_time(rig: Rig, timing: Timing) -> Spread:
     They home at once, so it is that of the latest: its distribution is the product of theirs, and
     its moments are integrals of what that leaves to one.
     """
-    latest_s = max(_longest(rig.axis[name], timing.axis[name]) for name in AXES)
+    latest_s = longest_homing_s(rig, timing)
     time_s = np.linspace(0.0, latest_s, _STEPS)
     shares = [_share_home(time_s, rig.axis[name], timing.axis[name]) for name in AXES]
     left = 1.0 - np.prod(shares, axis=0)
     mean_s = float(np.trapezoid(left, time_s))
     square_s2 = float(np.trapezoid(2.0 * time_s * left, time_s))
     return Spread(mean_s=mean_s, sd_s=max(square_s2 - mean_s * mean_s, 0.0) ** 0.5)
+
+
+def longest_homing_s(rig: Rig, timing: Timing) -> float:
+    """Return the seconds until all axes are home where each begins at its farther end."""
+    return max(_longest(rig.axis[name], timing.axis[name]) for name in AXES)
 
 
 def _longest(spec: Axis, axis: AxisTiming) -> float:

@@ -15,6 +15,9 @@ from gonio.files import write_with
 from gonio.samples import WHITE_PER_MEDIAN
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.lib.npyio import NpzFile
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
@@ -24,6 +27,8 @@ _REMEDY = "expected: npz with values (81, 81, 3), light first, linear RGB in 1/s
 _RIM = np.radians(75.0)
 # directions whose weights on all faces stay in the cache
 _AT_ONCE = 1 << 9
+# of a table's array in double complex, the widest type, with its header
+_LARGEST_ARRAY = 81 * 81 * 3 * 16 + 4096
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,7 @@ class MeasuredTable:
         try:
             # opened here, since numpy leaves a broken file open
             with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+                check_unpacked(arrays, ("values", "white", "directions"), _LARGEST_ARRAY)
                 values = np.asarray(arrays["values"]).astype(np.float64, casting="same_kind")
                 white = float(arrays["white"]) if "white" in arrays else None
                 directions = arrays.get("directions")
@@ -186,6 +192,21 @@ class SphericalMesh:
         centre = normalize(direction.mean(axis=0))
         reach = _angle(direction, centre).max() + 1e-6
         return np.flatnonzero(_angle(self._centre, centre) <= self._radius + reach)
+
+
+def check_unpacked(arrays: NpzFile, names: Iterable[str], largest: int) -> None:
+    """Refuse arrays that would fill the memory when they are unpacked.
+
+    Raises
+    ------
+    ValueError
+        When one of those `names` that are there is longer than `largest` bytes.
+    """
+    for name in names:
+        # numpy sets zip to None only once the file is closed
+        packed = arrays.zip.NameToInfo.get(f"{name}.npy") if arrays.zip else None
+        if packed is not None and packed.file_size > largest:
+            raise ValueError(f"{name} is longer than {largest} bytes")
 
 
 def _bad_values(values: NDArray[np.float64]) -> str | None:

@@ -17,7 +17,13 @@ _REMEDY = "give the folder of a session that gonio capture made"
 
 
 class Notes(Document):
-    """What a reader years later will ask about a sample."""
+    """What a reader years later will ask about a sample.
+
+    Attributes
+    ----------
+    rehearsal
+        Whether the twin went through the motions alone: then no frame shows anything.
+    """
 
     schema_: Literal["gonio.session/1"] = Field(default=SCHEMA, alias="schema")
     sample: str
@@ -25,6 +31,7 @@ class Notes(Document):
     mounting: str
     operator: str
     temperature_c: float | None = Field(default=None, ge=-273.15)
+    rehearsal: bool = False
 
     def save(self, path: Path) -> None:
         """Write them as JSON, whole or not at all."""

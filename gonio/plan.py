@@ -21,6 +21,7 @@ Side = Literal["view", "light"]
 
 # what came after the first plans is left out of the file, and so of its hash, where it says nothing
 Turns = Annotated[int, Field(ge=-10, le=10, exclude_if=lambda turns: turns == 0)]
+Mark = Annotated[bool, Field(exclude_if=lambda marked: not marked)]
 
 
 def _is_unknown(value: object) -> bool:
@@ -39,7 +40,8 @@ class Shot(Document):
     """One pair of directions to measure, and how.
 
     `view_turn` and `light_turn` are full turns that the phi axes stand at beyond phi: an axis that
-    travels more than a turn reaches some directions at two angles or more.
+    travels more than a turn reaches some directions at two angles or more. An `anchor` repeats a
+    pair that is measured anyway, to see whether the rig drifts.
     """
 
     index: int = Field(ge=0)
@@ -51,6 +53,7 @@ class Shot(Document):
     lamps: tuple[LampSetting, ...] = Field(min_length=1)
     view_turn: Turns = 0
     light_turn: Turns = 0
+    anchor: Mark = False
 
     @model_validator(mode="after")
     def _reflection_only(self) -> Shot:
@@ -90,7 +93,8 @@ class Selection(Document):
     and `variance_bound` what any choice of as many pairs leaves at least; `prior_sha256` is of that
     prior, None where none was asked. Of a plan that goes on from samples, `deviation_before` and
     `deviation_after` are the mean posterior standard deviation of ln(f + 0.01 white) over the
-    81 x 81 pairs, as it was and as it is expected to become.
+    81 x 81 pairs, as it was and as it is expected to become. `demand` says by what
+    pairs count, where not all alike, and `demand_sha256` is of that file.
     """
 
     criterion: str
@@ -104,7 +108,15 @@ class Selection(Document):
     deviation_before: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
     deviation_after: float | None = Field(default=None, ge=0, exclude_if=_is_unknown)
     prior_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
+    demand: str | None = Field(default=None, exclude_if=_is_unknown)
+    demand_sha256: str | None = Field(default=None, exclude_if=_is_unknown)
     route: str
+
+    @property
+    def variance_of(self) -> str:
+        """What `variance_left` is a share of, in words."""
+        weighed = f", weighted by {self.demand}" if self.demand else ""
+        return f"of the prior's variance{weighed}"
 
 
 class RouteTime(Document):
@@ -127,7 +139,7 @@ class LeftOut(Document):
     reason
         Follows their number in a sentence.
     shots
-        How many pairs that concerns.
+        How many pairs that leaves unmeasured; over all reasons they add up.
     spared_shots, spared_min
         How many shots and minutes fewer the plan takes for it than one without this omission;
         below zero: more. None where that was not asked.
@@ -196,6 +208,11 @@ class Plan(Document):
     def sha256(self) -> str:
         """SHA-256 of the canonical JSON of everything else."""
         return sha256_bytes(canonical_json(self._content()))
+
+    def of_demand(self, what: str, sha256: str | None = None) -> Plan:
+        """Return the plan that names what said how much pairs count."""
+        named = self.selection.model_copy(update={"demand": what, "demand_sha256": sha256})
+        return self.model_copy(update={"selection": named})
 
     def save(self, path: Path) -> None:
         """Write the plan with its hash, whole or not at all."""

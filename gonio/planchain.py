@@ -108,22 +108,30 @@ def load_chain(folder: Path, rig_sha256: str) -> PlanChain:
 
     Raises
     ------
-    gonio.errors.BadFileError
-        When a plan is damaged or missing.
     gonio.errors.ResumeRefusedError
-        When one does not go on from the one before it (see `PlanChain.check_next`).
+        When a plan is damaged or missing, or does not go on from the one before it (see
+        `PlanChain.check_next`).
     """
     chain: PlanChain | None = None
     for number, path in enumerate(sorted(folder.glob("[0-9][0-9][0-9].json"))):
         if path.name != f"{number:03d}.json":
             expected = folder / f"{number:03d}.json"
-            raise BadFileError(expected, f"is missing, though {path.name} is there", _REMEDY)
-        plan = Plan.load(path, remedy=_REMEDY)
+            raise ResumeRefusedError(
+                f"{expected}: is missing, though {path.name} is there; {_REMEDY}"
+            )
+        plan = _load(path)
         if chain is None:
             chain = PlanChain((plan,), rig_sha256)
         else:
             chain.check_next(plan, path)
             chain = PlanChain((*chain.plans, plan), rig_sha256)
     if chain is None:
-        raise BadFileError(folder / FIRST_NAME, "no such file", _REMEDY)
+        raise ResumeRefusedError(f"{folder / FIRST_NAME}: no such file; {_REMEDY}")
     return chain
+
+
+def _load(path: Path) -> Plan:
+    try:
+        return Plan.load(path, remedy=_REMEDY)
+    except BadFileError as error:
+        raise ResumeRefusedError(str(error)) from None

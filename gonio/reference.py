@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gonio.errors import BadFileError
+from gonio.errors import ResumeRefusedError
 from gonio.files import sha256_bytes, sha256_file, write_bytes, write_json
 from gonio.materials import MeasuredTable
 from gonio.validation import Document, check, parse_json, read_text
@@ -61,15 +61,18 @@ def rig_with_reference(session: Session) -> Rig:
     Raises
     ------
     gonio.errors.BadFileError
+        When the note of it is missing or damaged.
+    gonio.errors.ResumeRefusedError
         When the copy is missing, or is not what the session was begun with.
     """
     rig, kept, copy = session.rig(), kept_reference(session), session.reference_path
     if kept is None:
         return rig
     if not copy.is_file() or sha256_file(copy) != kept.sha256:
-        problem = "is not the white reference that the session was begun with"
-        remedy = f"put back {kept.named} of SHA-256 {kept.sha256[:12]}"
-        raise BadFileError(copy, problem, remedy)
+        raise ResumeRefusedError(
+            f"{copy}: is not the white reference that the session was begun with; put back "
+            f"{kept.named} of SHA-256 {kept.sha256[:12]}"
+        )
     holder = rig.holder.model_copy(update={"reference": str(copy)})
     return rig.model_copy(update={"holder": holder})
 

@@ -13,6 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
 from gonio.geometry import HOLDER_RADIUS_MM
+from gonio.uncertainty import Uncertainty
 from gonio.validation import Document, check, parse_toml, read_text, within
 
 AXES = ("view_theta", "view_phi", "light_theta", "light_phi")
@@ -29,6 +30,7 @@ Angle = Annotated[float, within(-3600, 3600)]
 Timeout = Annotated[float, within(0.1, 3600)]
 # left out of the hash where nobody waits, so that files of before there was such a key keep theirs
 Wait = Annotated[float, within(0, 86400), Field(exclude_if=lambda seconds: seconds == 0)]
+Share = Annotated[float, within(0, 0.5), Field(exclude_if=lambda share: share == 0)]
 Pixels = Annotated[int, within(2, 30000)]
 Point = tuple[Place, Place, Place]
 
@@ -161,7 +163,7 @@ class Lamps(Document):
     """The lamp head."""
 
     device: str
-    dialect: Literal["lamps-1"] = "lamps-1"
+    dialect: str = "lamps-1"
     distance_m: Distance = 2.0
     lamp: tuple[Lamp, ...] = Field(min_length=1, max_length=11)
     watchdog_ms: Annotated[int, within(0, 3_600_000)] = 30000
@@ -183,11 +185,19 @@ class Lamps(Document):
         return self
 
 
-class CameraSpec(Document):
-    """The camera: where its files appear, its sensor and lens, and its exposures."""
+class CameraSetting(Document):
+    """A setting of the camera's own, by the name that its library has for it."""
 
-    kind: Literal["folder"] = "folder"
-    folder: str
+    name: str
+    value: str
+
+
+class CameraSpec(Document):
+    """The camera: how its files come, its sensor and lens, and its exposures."""
+
+    kind: Literal["folder", "gphoto2"] = "folder"
+    folder: str = Field(default="", exclude_if=lambda path: not path)
+    settings: tuple[CameraSetting, ...] = Field(default=(), exclude_if=lambda each: not each)
     distance_m: Distance = 2.0
     width: Pixels
     height: Pixels
@@ -196,6 +206,7 @@ class CameraSpec(Document):
     distortion: tuple[Annotated[float, within(-1e6, 1e6)], ...] = ()
     file_timeout_s: Timeout = 10.0
     exposures_s: tuple[Annotated[float, within(1e-6, 300)], ...] = Field(min_length=1)
+    stray_light: Share = 0.0
 
     @field_validator("distortion")
     @classmethod
@@ -212,6 +223,14 @@ class CameraSpec(Document):
         return exposures
 
     @model_validator(mode="after")
+    def _knows_where_files_are(self) -> CameraSpec:
+        if self.kind == "folder" and not self.folder:
+            raise ValueError("kind folder needs folder")
+        if self.kind == "folder" and self.settings:
+            raise ValueError("settings are of kind gphoto2; leave them out")
+        return self
+
+    @model_validator(mode="after")
     def _sample_in_sight(self) -> CameraSpec:
         # the camera looks at the sample's centre, so that is where this pixel is
         for centre, pixels in zip(self.centre_px, (self.width, self.height), strict=True):
@@ -225,8 +244,15 @@ class CameraSpec(Document):
 class Holder(Document):
     """The sample holder and the white reference that takes the sample's place."""
 
-    changer: Literal["manual"] = "manual"
-    reference: Annotated[float | str, within(1e-3, 1.2)] = 0.99
+    changer: Literal["manual", "command"] = "manual"
+    changer_command: tuple[str, ...] = Field(default=(), exclude_if=lambda words: not words)
+    reference: Annotated[float | str, within(1e-3, 1.2, or_text=True)] = 0.99
+
+    @model_validator(mode="after")
+    def _has_what_it_runs(self) -> Holder:
+        if (self.changer == "command") != bool(self.changer_command):
+            raise ValueError('changer = "command" and changer_command go together')
+        return self
 
 
 class Rig(Document):
@@ -237,6 +263,9 @@ class Rig(Document):
     lamps: Lamps
     camera: CameraSpec
     holder: Holder
+    uncertainty: Uncertainty = Field(
+        default=Uncertainty(), exclude_if=lambda stated: stated == Uncertainty()
+    )
 
     @property
     def sha256(self) -> str:

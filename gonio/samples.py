@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntFlag
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from gonio.errors import BadFileError, BadInputError
 from gonio.files import write_bytes
+from gonio.uncertainty import COMPONENTS
 
 if TYPE_CHECKING:
     import xarray
@@ -38,6 +39,8 @@ class Flag(IntFlag):
     """The patch held fewer than eight pixels of this channel."""
     NO_SIGMA = 8
     """The table that it came from stated no sigma."""
+    SUSPECT = 64
+    """A check of its shot failed (see `gonio.checks`)."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +63,16 @@ class Samples:
         Names of the c channels.
     color_space
         What the channels are, such as "linear sRGB".
+    color_made_by
+        What the camera's channels became it by: `chart` (then `provenance` has its hash),
+        `ColorMatrix1` of the frames, `none`; empty where unknown.
     provenance
         SHA-256 hashes of what the samples were made from, by name.
     patch_mm
         Side of the square of the sample that each value is the mean over; None where unknown.
+    components
+        What sigma is made of: standard uncertainties in 1/sr, shape (n, c), by the names of
+        `gonio.uncertainty.COMPONENTS`; empty where unknown.
     """
 
     light: NDArray[np.float64]
@@ -77,8 +86,10 @@ class Samples:
     attempt: NDArray[np.int64]
     channels: tuple[str, ...] = RGB
     color_space: str = "linear sRGB"
+    color_made_by: str = ""
     provenance: dict[str, str] = field(default_factory=dict)
     patch_mm: float | None = None
+    components: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     @classmethod
     def from_values(
@@ -144,6 +155,15 @@ class Samples:
             )
         return white
 
+    def trusted(self) -> Samples:
+        """Return the samples without suspect shots; all of them, where half or fewer would stay."""
+        kept = ~np.asarray((self.flag & np.uint32(Flag.SUSPECT)).any(axis=1))
+        if kept.all() or 2 * kept.sum() <= len(self):
+            return self
+        per_shot = {name: getattr(self, name)[kept] for name in _DTYPES}
+        components = {name: part[kept] for name, part in self.components.items()}
+        return replace(self, **per_shot, components=components)
+
     def check(self) -> None:
         """Refuse samples that no estimator can use.
 
@@ -163,6 +183,10 @@ class Samples:
             if getattr(self, name).shape != shape:
                 found = getattr(self, name).shape
                 raise BadInputError(f"samples: {name} has shape {found}, not {shape}")
+        for name, part in self.components.items():
+            if part.shape != self.sigma.shape:
+                raise BadInputError(f"samples: sigma_{name} has shape {part.shape}")
+            _refuse_rows(f"sigma_{name} is negative or infinite", _bad_sigma(part).any(axis=1))
         for name in ("light", "view"):
             _check_directions(name, getattr(self, name))
         _refuse_rows("value is not finite", ~np.isfinite(self.value).all(axis=1))
@@ -220,6 +244,14 @@ class Samples:
             attrs={"schema": SCHEMA, "color_space": self.color_space, "units": "sr-1"},
         )
         dataset.attrs.update({f"sha256_{name}": digest for name, digest in self.provenance.items()})
+        for component in COMPONENTS:
+            if component.name in self.components:
+                shared = "common to all samples" if component.common else "independent"
+                about = {"units": "sr-1", "long_name": component.meaning, "correlation": shared}
+                part = (per_value, self.components[component.name], about)
+                dataset[f"sigma_{component.name}"] = part
+        if self.color_made_by:
+            dataset.attrs["color_made_by"] = self.color_made_by
         if self.patch_mm is not None:
             dataset.attrs["patch_mm"] = self.patch_mm
         return dataset
@@ -237,12 +269,14 @@ class Samples:
                 **{name: _typed(dataset, name) for name in _DTYPES},
                 channels=tuple(str(name) for name in dataset["channel"].to_numpy()),
                 color_space=str(dataset.attrs["color_space"]),
+                color_made_by=str(dataset.attrs.get("color_made_by", "")),
                 provenance={
                     name.removeprefix("sha256_"): str(digest)
                     for name, digest in dataset.attrs.items()
                     if name.startswith("sha256_")
                 },
                 patch_mm=_patch_mm(dataset),
+                components=_components(dataset),
             )
             samples.check()
         except KeyError as error:
@@ -260,11 +294,18 @@ _DTYPES: dict[str, type[np.generic]] = {
 
 
 def _typed(dataset: xarray.Dataset, name: str) -> Any:
+    wanted = _DTYPES.get(name, np.float64)
     try:
-        return dataset[name].to_numpy().astype(_DTYPES[name], casting="same_kind")
+        return dataset[name].to_numpy().astype(wanted, casting="same_kind")
     except TypeError:
         found = dataset[name].dtype
-        raise BadInputError(f"{name}: holds {found}, not {_DTYPES[name].__name__}") from None
+        raise BadInputError(f"{name}: holds {found}, not {wanted.__name__}") from None
+
+
+def _components(dataset: xarray.Dataset) -> dict[str, NDArray[np.float64]]:
+    """Return what the file tells of sigma's parts; files of before there were such tell none."""
+    names = [component.name for component in COMPONENTS]
+    return {name: _typed(dataset, f"sigma_{name}") for name in names if f"sigma_{name}" in dataset}
 
 
 def _patch_mm(dataset: xarray.Dataset) -> float | None:

@@ -2,48 +2,51 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
     from gonio.journal import Event
-    from gonio.plan import Estimates
+    from gonio.plan import Estimates, Plan
     from gonio.session import Session
 
 
 @dataclass(frozen=True)
 class Score:
-    """What a capture took, beside what its plan had expected.
+    """What a capture took, beside what its plans had expected.
 
     Attributes
     ----------
     took_s, homing_s
         Of the whole capture, and of what came before its axes were home.
     expected
-        The plan's.
+        Of each of its plans.
     """
 
     took_s: float
     homing_s: float
-    expected: Estimates
+    expected: Sequence[Estimates]
 
     @property
     def error(self) -> float:
         """By how much it took longer than expected, as a share of that; negative for shorter."""
-        return self.took_s / self.expected.total_s - 1.0
+        return self.took_s / math.fsum(each.total_s for each in self.expected) - 1.0
 
     @property
     def error_once_home(self) -> float:
         """The same without homing: how far axes have to go to their switches is anybody's guess."""
-        expected_s = self.expected.total_s - self.expected.homing_s
+        expected_s = math.fsum(each.total_s - each.homing_s for each in self.expected)
         return (self.took_s - self.homing_s) / expected_s - 1.0
 
     @property
     def is_within(self) -> bool | None:
-        """Whether it ended within the 5 to 95 % interval; None where the plan states none."""
-        low_s, high_s = self.expected.total_lo_s, self.expected.total_hi_s
+        """Whether it ended within the 5 to 95 % interval; None where there is not one of all."""
+        if len(self.expected) > 1:
+            return None
+        low_s, high_s = self.expected[0].total_lo_s, self.expected[0].total_hi_s
         if low_s is None or high_s is None:
             return None
         return low_s <= self.took_s <= high_s
@@ -63,9 +66,9 @@ def _share(error: float) -> str:
 
 
 def score_of(session: Session) -> Score | None:
-    """Return how well the time of a session's first plan was foretold.
+    """Return how well the time of a session's plans was foretold.
 
-    None where it was not measured in one go, or not to its end yet.
+    None where one of them was not measured in one go, or not to its end yet.
 
     Raises
     ------
@@ -75,23 +78,29 @@ def score_of(session: Session) -> Score | None:
     if not session.journal_path.is_file():
         return None
     with session.journal() as journal:
-        first = _first_run(journal.events())
-    plan = session.chain().plans[0]
-    begun, homed, finished = (first.get(kind) for kind in ("begun", "homed", "finished"))
-    if not (begun and homed and finished) or begun.data.get("plan") != plan.sha256:
+        runs = [run for run in _runs(journal.events()) if run.get("begun")]
+    plans = session.chain().plans
+    if len(runs) != len(plans) or not all(map(_is_whole, runs, plans)):
         return None
-    if begun.data.get("frames") != plan.estimates.frames:
-        return None
-    return Score(finished.at_s - begun.at_s, homed.at_s - begun.at_s, plan.estimates)
+    return Score(
+        took_s=math.fsum(run["finished"].at_s - run["begun"].at_s for run in runs),
+        homing_s=math.fsum(run["homed"].at_s - run["begun"].at_s for run in runs),
+        expected=[plan.estimates for plan in plans],
+    )
 
 
-def _first_run(events: Iterable[Event]) -> dict[str, Event]:
-    """Return the events of each kind, one each, up to the end of the first run."""
-    run: dict[str, Event] = {}
+def _is_whole(run: Mapping[str, Event], plan: Plan) -> bool:
+    if not {"homed", "finished"} <= set(run):
+        return False
+    asked = run["begun"].data
+    return (asked.get("plan"), asked.get("frames")) == (plan.sha256, plan.estimates.frames)
+
+
+def _runs(events: Iterable[Event]) -> list[dict[str, Event]]:
+    """Return the first event of each kind of each run."""
+    runs: list[dict[str, Event]] = [{}]
     for event in events:
-        if event.kind == "begun" and "begun" in run:
-            break
-        run.setdefault(event.kind, event)
-        if event.kind == "finished":
-            break
-    return run
+        if event.kind == "begun":
+            runs.append({})
+        runs[-1].setdefault(event.kind, event)
+    return runs

@@ -6,12 +6,14 @@ import contextlib
 import fcntl
 import os
 import shlex
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
 from gonio.files import write_json
+from gonio.intact import check_intact
 from gonio.journal import Journal
 from gonio.notes import Notes
 from gonio.planchain import FIRST_NAME, load_chain
@@ -20,6 +22,7 @@ from gonio.validation import parse_json, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from typing import IO
 
     from gonio.plan import Plan
     from gonio.planchain import PlanChain
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
 DEFAULT_ROOT: Final = Path("session")
 """Where commands look for a session unless told otherwise."""
 
+_TRIES_S: Final = (0.0, 0.01, 0.02, 0.04, 0.08)
 _REMEDY = "give the folder of a session that gonio capture made"
 
 
@@ -44,19 +48,29 @@ class Session:
     root: Path
 
     @classmethod
-    def open(cls, root: Path) -> Session:
-        """Open an existing session.
+    def open(cls, root: Path, *, measuring: bool = False) -> Session:
+        """Open an existing session, of which nothing has changed that its journal vouches for.
+
+        Parameters
+        ----------
+        root
+            The folder.
+        measuring
+            Whether more frames are to be taken.
 
         Raises
         ------
         gonio.errors.BadFileError
             When the folder is no session.
+        gonio.errors.ResumeRefusedError
+            When its journal, a plan, its rig or its white reference is not what it was.
         """
         session = cls(root)
         if not root.is_dir():
             raise BadFileError(root, "no such folder", _REMEDY)
-        if not (session.plans / FIRST_NAME).is_file():
+        if not ((session.plans / FIRST_NAME).is_file() or session.journal_path.exists()):
             raise BadFileError(root, "is not a session (it has no plans/000.json)", _REMEDY)
+        check_intact(session, measuring=measuring)
         session.notes()  # a damaged folder is told now, not after a night
         return session
 
@@ -86,6 +100,21 @@ class Session:
         return self.calibration / "reference.npz"
 
     @property
+    def sensor_calibration(self) -> Path:
+        """Folder of the copy of a camera's calibration, where there is one."""
+        return self.calibration / "sensor"
+
+    @property
+    def geometry_path(self) -> Path:
+        """Camera and view arm as measured, where the session was given them."""
+        return self.calibration / "geometry.json"
+
+    @property
+    def color_path(self) -> Path:
+        """The camera's matrices by a chart, where the session was given them."""
+        return self.calibration / "color.json"
+
+    @property
     def raw(self) -> Path:
         """Folder of the shots' frames."""
         return self.root / "raw"
@@ -99,6 +128,11 @@ class Session:
     def samples_path(self) -> Path:
         """BRDF samples."""
         return self.root / "samples.nc"
+
+    @property
+    def checks_path(self) -> Path:
+        """What the reduction thought of the frames."""
+        return self.root / "checks.json"
 
     @property
     def model(self) -> Path:
@@ -128,9 +162,22 @@ class Session:
     @property
     def resume_command(self) -> str:
         """What to type to go on with the capture."""
+        return self._capture_command("--resume")
+
+    @property
+    def reconstruct_command(self) -> str:
+        """What to type to make a material of it."""
+        return shlex.join(["gonio", "reconstruct", str(self.root)])
+
+    @property
+    def retake_command(self) -> str:
+        """What to type to take the shots again that a check flagged."""
+        return self._capture_command("--retake")
+
+    def _capture_command(self, option: str) -> str:
         simulated = ["--sim"] if self.sim.is_dir() else []
         elsewhere = [] if self.root == DEFAULT_ROOT else ["-o", str(self.root)]
-        return shlex.join(["gonio", "capture", *simulated, "--resume", *elsewhere])
+        return shlex.join(["gonio", "capture", *simulated, option, *elsewhere])
 
     def rig(self) -> Rig:
         """Return the rig that the session was made with."""
@@ -193,20 +240,16 @@ class Session:
             )
 
     def journal(self, *, writing: bool = False) -> Journal:
-        """Open the journal to be read, or, held by `lock`, to be written.
+        """Open the journal to be read, or, held by `lock`, to be written."""
+        synced = not (writing and self.notes().rehearsal)
+        return Journal(self.journal_path, writing=writing, synced=synced)
 
-        Raises
-        ------
-        gonio.errors.ResumeRefusedError
-            When it would be made, but frames are there that only a lost journal can vouch for.
-        """
-        frames = (*self.calibration.glob("*.dng"), *self.raw.glob("*.dng"))
-        if frames and writing and not self.journal_path.exists():
-            raise ResumeRefusedError(
-                f"{self.journal_path}: is gone, and the frames that it vouched for are there; "
-                "put it back, or start a new session with -o"
-            )
-        return Journal(self.journal_path, writing=writing)
+    def clock_s(self) -> float:
+        """Return when the last event was, in seconds on the session's own clock."""
+        if not self.journal_path.is_file():
+            return 0.0
+        with self.journal() as journal:
+            return max((event.at_s for event in journal.events()), default=0.0)
 
     @property
     def is_writable(self) -> bool:
@@ -238,14 +281,26 @@ class Session:
         if not self.is_writable:
             yield
             return
-        with (self.root / ".lock").open("w") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
+        with self._lock_path.open("w") as file:
+            # whoever asks `is_locked` in this instant is gone in the next
+            if not any(_try_lock(file, fcntl.LOCK_EX, wait_s) for wait_s in _TRIES_S):
                 raise BadInputError(
                     f"{self.root}: another gonio works on this session; wait for it or stop it"
-                ) from None
+                )
             yield
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether a process works on it, told without holding it longer than asking takes."""
+        try:
+            with self._lock_path.open() as file:
+                return not _try_lock(file, fcntl.LOCK_SH)
+        except FileNotFoundError:
+            return False
+
+    @property
+    def _lock_path(self) -> Path:
+        return self.root / ".lock"
 
     def note_timing(self, stage: str, seconds: float) -> None:
         """Record how long a stage took; a session that can only be read keeps what it has."""
@@ -262,3 +317,13 @@ class Session:
         except (AttributeError, TypeError, ValueError):
             remedy = "delete it"
             raise BadFileError(self.timings_path, "is not a table of seconds", remedy) from None
+
+
+def _try_lock(file: IO[str], how: int, wait_s: float = 0.0) -> bool:
+    """Try to lock an open file, after a wait; return whether that succeeded."""
+    time.sleep(wait_s)
+    try:
+        fcntl.flock(file, how | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

@@ -123,7 +123,8 @@ def leg_blocked(start_deg: Array, goal_deg: Array, rig: Rig) -> NDArray[np.bool_
 def _runs_into(limit: Limit, legs: Array, rig: Rig) -> NDArray[np.bool_]:
     """Return which legs, starts beside goals in the limit's columns, come too near to it."""
     start, goal = np.split(legs, 2, axis=1)
-    inside = -encoder_tolerance(rig)
+    # however loose the encoders: what is wholly inside a limit is inside
+    inside = -min(encoder_tolerance(rig), 0.5 * limit.deepest)
     ends = limit.margin(start), limit.margin(goal)
     nearer = np.minimum(*ends)
     trapped, blocked = (margin < inside for margin in ends)

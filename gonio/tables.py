@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.color import CAMERA, LUMINANCE, SPACES, SRGB
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
 from gonio.files import sha256_file
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ANGLES = ("light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg")
-_COLOR_SPACE = {RGB: "linear sRGB", ("y",): "luminance"}
+_CHANNELS = {space.name: space.channels for space in SPACES.values()}
+_CHANNELS |= {CAMERA: RGB, LUMINANCE: ("y",)}
+_SPACE = "color_space"
 _REMEDY = "compare it with docs/topics/samples-table.md"
 _TURN_DEG = 360.0
 _COMMAS = "separate them by commas and write decimals with a point, as in 0.5"
@@ -36,8 +39,10 @@ def read_table(path: Path | str) -> Samples:
 
     Columns, in any order: `light_theta_deg`, `light_phi_deg`, `view_theta_deg`, `view_phi_deg`,
     then `r`, `g`, `b` or one `y` in 1/sr, and where known `sigma_r`, `sigma_g`, `sigma_b` or
-    `sigma_y`, where an empty cell is an unknown sigma. Other columns are ignored. A value may be
-    below zero as far as noise can be: by 5 sigma, where that is unknown by the median value.
+    `sigma_y`, where an empty cell is an unknown sigma. A column `color_space` says what they are:
+    linear sRGB, as without it, ACEScg, camera RGB, luminance of `y`, or XYZ D65, whose channels are
+    `X`, `Y` and `Z`. Other columns are ignored. A value may be below zero as far as noise can be:
+    by 5 sigma, where that is unknown by the median value.
 
     Raises
     ------
@@ -50,7 +55,8 @@ def read_table(path: Path | str) -> Samples:
     if header is None:
         raise BadFileError(path, "is empty", _REMEDY)
     table = _Table.of(header, list(rows))
-    channels = table.channels()
+    color_space = table.color_space()
+    channels = _CHANNELS[color_space]
     angle = [table.column(name, _theta if "theta" in name else _phi) for name in _ANGLES]
     value = np.stack([table.column(name, _value) for name in channels], axis=1)
     sigma = table.sigma(channels)
@@ -61,7 +67,7 @@ def read_table(path: Path | str) -> Samples:
         value=value,
         sigma=sigma,
         channels=channels,
-        color_space=_COLOR_SPACE[channels],
+        color_space=color_space,
     )
     unknown = np.where(np.isnan(samples.sigma), np.uint32(Flag.NO_SIGMA), np.uint32(0))
     return replace(samples, flag=unknown, provenance={"table": sha256_file(path)})
@@ -106,13 +112,19 @@ class _Table:
             raise header.error(": no samples follow the header")
         return cls(header, rows)
 
-    def channels(self) -> tuple[str, ...]:
-        """Return which of r, g, b or y the table holds."""
-        if "y" not in self.header.cells:
-            return RGB
-        if set(RGB) & set(self.header.cells):
+    def color_space(self) -> str:
+        """Return what the values are: as stated, or told from whether there is r, g, b or y."""
+        cells = self.header.cells
+        if "y" in cells and set(RGB) & set(cells):
             raise self.header.error(": has both y and r, g, b; keep one of the two")
-        return ("y",)
+        if _SPACE not in cells:
+            return LUMINANCE if "y" in cells else SRGB
+        stated = self.rows[0].cells[cells.index(_SPACE)]
+        for row in self.rows:
+            if (name := row.cells[cells.index(_SPACE)]) != stated or name not in _CHANNELS:
+                known = ", ".join(_CHANNELS)
+                raise row.error(f", column {_SPACE}: {name!r} is none of {known}, one for all")
+        return stated
 
     def sigma(self, channels: tuple[str, ...]) -> NDArray[np.float64] | None:
         """Return the sigmas, NaN where a cell is empty; None where no column states them."""

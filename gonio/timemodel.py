@@ -139,6 +139,7 @@ def estimate(
     rig: Rig,
     timing: Timing | None = None,
     calibrated_s: Collection[float] = (),
+    at_deg: Sequence[float] | None = None,
 ) -> Estimates:
     """Estimate the time and storage of a whole capture.
 
@@ -154,14 +155,19 @@ def estimate(
         The rig.
     timing
         How it acts; without it, as `gonio.timing.default_timing` expects.
+    calibrated_s
+        Exposures of which dark and white frames are there, in seconds.
+    at_deg
+        Where the axes stand, in the order of AXES, when it goes on from a capture just ended: they
+        know their position then. None: they are homed first.
     """
     from gonio.legs import legs_of  # ways round are judged by the times of this module
 
     timing = timing or default_timing(rig)
     calibration = [e for e in calibration_exposures_s(shots) if e not in calibrated_s]
-    home = [rig.axis[name].to_degrees(0) for name in AXES]
+    start = [rig.axis[name].to_degrees(0) for name in AXES] if at_deg is None else at_deg
     white = [[WHITE_POSE_DEG[name] for name in AXES]][: len(calibration)]
-    angles_deg, begins = legs_of(np.vstack([home, *white, pose_angles_deg(shots)]), rig)
+    angles_deg, begins = legs_of(np.vstack([start, *white, pose_angles_deg(shots)]), rig)
     legs = route_times(angles_deg, rig, timing)
     moving, ends = np.add.reduceat(legs, begins), np.append(begins[1:], len(legs)) - 1
     # nobody waits until the arms are still on the way
@@ -175,7 +181,7 @@ def estimate(
     _add_moves(budget, _settled(angles_deg, rig, timing)[:, ends], moving, still, timing)
     # the way to the first shot begins when all white frames are in
     overlapped = np.minimum(to_shots[1:] + timing.lamps.mean_s, timing.read_out.mean_s)
-    homing = budget.add(homing_time(rig, timing))
+    homing = budget.add(homing_time(rig, timing)) if at_deg is None else 0.0
     overhead = (
         budget.add(timing.startup)
         + budget.add(timing.lamps, len(shots))

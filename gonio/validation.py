@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import tomllib
+from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from gonio.errors import BadFileError
+from gonio.errors import BadFileError, BadInputError
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
 
 
 class Document(BaseModel):
@@ -23,15 +25,18 @@ class Document(BaseModel):
 D = TypeVar("D", bound=Document)
 
 
-def within(low: float, high: float) -> BeforeValidator:
+def within(low: float, high: float, *, or_text: bool = False) -> BeforeValidator:
     """Make the annotation of a number from `low` to `high`, whose refusal names value and range.
 
-    It comes before pydantic's own checks, so that it names NaN and infinities, too.
+    It comes before pydantic's own checks, so that it names NaN and infinities, too. With `or_text`
+    a text may stand in its place.
     """
 
     def check_range(value: Any) -> Any:
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if is_number and not low <= value <= high:
+        # pydantic would take true for 1 and "20" for 20
+        if isinstance(value, bool) or (isinstance(value, str) and not or_text):
+            raise ValueError(f"{value!r} is no number")
+        if isinstance(value, int | float) and not low <= value <= high:
             raise ValueError(f"{value!r} is out of range, {low:g} to {high:g} is allowed")
         return value
 
@@ -115,3 +120,24 @@ def plain_float(text: str) -> float:
     if "_" in text:
         raise ValueError(f"could not convert string to float: {text!r}")
     return float(text)
+
+
+def load_named(model: type[D], name: str, built_in: Sequence[str], what: str, remedy: str) -> D:
+    """Return a model of data that comes with gonio by name, or of a file that ends in .toml.
+
+    Raises
+    ------
+    BadInputError
+        For an unknown name of a `what`.
+    BadFileError
+        When the file is missing, is not TOML, or a key is missing, unknown or wrong.
+    """
+    if name.endswith(".toml"):
+        path = Path(name)
+        return check(model, parse_toml(read_text(path, remedy), path, remedy), path, remedy)
+    if name not in built_in:
+        raise BadInputError(
+            f"{what} {name!r} is not known; use {', '.join(built_in)}, or the path of a .toml file"
+        )
+    text = resources.files("gonio").joinpath(f"data/{name}.toml").read_text(encoding="utf-8")
+    return model.model_validate(tomllib.loads(text))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from gonio.protocols import Progress
     from planner.information import Unknown
     from planner.search import Measure
 
@@ -67,6 +69,7 @@ def pairs_within(
     seconds: float,
     terms: Terms,
     measure: Measure,
+    progress: Progress | None = None,
 ) -> Priced | None:
     """Choose pairs that tell as much as can be had in a time.
 
@@ -84,12 +87,20 @@ def pairs_within(
         What the whole may take.
     terms, measure
         What pairs cost, and what counts as gain.
+    progress
+        Called with the seconds used and those there are.
 
     Returns
     -------
     Priced or None
         None where not even one pair fits.
     """
+    everything = np.flatnonzero(allowed).tolist()
+    # the moves cost more, but are dear to order
+    if terms.shot_s[allowed].sum() <= seconds:
+        whole = terms.price(everything)
+        if whole.total_s <= seconds:
+            return whole
     alone = np.where(allowed, _gains(kinds, measure), -np.inf)
     best = terms.price([int(np.argmax(alone))])
     # so that a time that is no number is too short, too
@@ -98,7 +109,8 @@ def pairs_within(
     for _ in range(_ROUNDS):
         for kind in kinds:
             kind.forget(np.array(best.order, np.int64))
-        more = _grown(kinds, allowed, best.order, seconds - best.total_s, terms, measure)
+        used = partial(_report, progress, seconds)
+        more = _grown(kinds, allowed, best.order, seconds - best.total_s, terms, measure, used)
         priced = _fitting(best, more, seconds, terms.price)
         if priced is best:
             break
@@ -127,6 +139,7 @@ def _grown(
     seconds: float,
     terms: Terms,
     measure: Measure,
+    report: Callable[[float], None],
 ) -> list[int]:
     """Return pairs to add, in the order of their choice, until the time is used up."""
     free = allowed.copy()
@@ -142,11 +155,17 @@ def _grown(
         if not np.isfinite(worth[pair]):
             return added
         seconds -= float(cost[pair])
+        report(seconds)
         route.insert(pair)
         free[pair] = False
         added.append(pair)
         for kind in kinds:
             kind.turn(pair, known=True)
+
+
+def _report(progress: Progress | None, seconds: float, left_s: float) -> None:
+    if progress:
+        progress(int(seconds - left_s), int(seconds))
 
 
 def _gains(kinds: Sequence[Unknown], measure: Measure) -> Array:
@@ -167,8 +186,7 @@ class _Insertion:
         self.least_s = np.full(count, np.inf)
         self._place = np.zeros(count, np.int64)
         self._ends: list[tuple[int, int]] = []
-        stops = [_NOWHERE, *order, _NOWHERE]
-        for ends in pairwise(stops):
+        for ends in pairwise([_NOWHERE, *order, _NOWHERE]):
             self._append(ends)
 
     def insert(self, pair: int) -> None:
@@ -177,9 +195,9 @@ class _Insertion:
         before, after = self._ends[place]
         self._ends[place] = (before, pair)
         orphans = np.flatnonzero(self._place == place)
-        self.least_s[orphans] = np.inf
-        for other in range(len(self._ends)):
-            self._offer(other, orphans)
+        cost = self._cost(np.array(self._ends)[:, :, None], orphans)
+        self._place[orphans] = cost.argmin(axis=0)
+        self.least_s[orphans] = cost.min(axis=0)
         self._offer(place, np.arange(len(self.least_s)))
         self._append((pair, after))
 
@@ -188,18 +206,16 @@ class _Insertion:
         self._offer(len(self._ends) - 1, np.arange(len(self.least_s)))
 
     def _offer(self, place: int, pairs: Indices) -> None:
-        cost = self._cost(self._ends[place], pairs)
+        cost = self._cost(np.array([self._ends[place]])[:, :, None], pairs)[0]
         better = cost < self.least_s[pairs]
         self.least_s[pairs[better]] = cost[better]
         self._place[pairs[better]] = place
 
-    def _cost(self, ends: tuple[int, int], pairs: Indices) -> Array:
-        before, after = (np.int64(end) for end in ends)
-        cost = np.zeros(len(pairs))
-        if before != _NOWHERE:
-            cost += self._moves.between(before, pairs)
-        if after != _NOWHERE:
-            cost += self._moves.between(pairs, after)
-        if before != _NOWHERE and after != _NOWHERE:
-            cost -= self._moves.between(before, np.array([after]))[0]
-        return cost
+    def _cost(self, ends: Indices, pairs: Indices) -> Array:
+        """Return what pairs would add between ends, shape (m, 2, 1): seconds, shape (m, n)."""
+        before, after = ends[:, 0], ends[:, 1]
+        has_before, has_after = before != _NOWHERE, after != _NOWHERE
+        there_s = np.where(has_before, self._moves.between(before, pairs), 0.0)
+        onward_s = np.where(has_after, self._moves.between(pairs, after), 0.0)
+        saved_s = np.where(has_before & has_after, self._moves.between(before, after), 0.0)
+        return np.asarray(there_s + onward_s - saved_s)

@@ -28,6 +28,7 @@ MOST = 4000
 
 _KLEMS = ((0, 1), (10, 8), (20, 16), (30, 20), (40, 24), (50, 24), (60, 24), (70, 16), (82.5, 12))
 _GOLDEN_DEG = 180 * (3 - np.sqrt(5))
+_LARGEST = 2_000_000
 _SAME_DEG = 1e-6
 _REMEDY = "give a line theta_deg,phi_deg and then a direction a line, in degrees"
 
@@ -129,6 +130,12 @@ def _fibonacci(name: str, text: str) -> Candidates:
 
 
 def _read(path: Path) -> Candidates:
+    if path.exists() and not path.is_dir():
+        # a device, or a pipe that nobody writes to, would never end
+        if not path.is_file():
+            raise BadFileError(path, "is no regular file", _REMEDY)
+        if path.stat().st_size > _LARGEST:
+            raise BadFileError(path, f"is larger than {MOST} directions ever are", _REMEDY)
     rows = [row for row in csv.reader(read_text(path, _REMEDY).splitlines()) if row]
     head = [name.strip().lower() for name in rows[0]] if rows else []
     if not {"theta_deg", "phi_deg"} <= set(head):

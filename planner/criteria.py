@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gonio.protocols import Prior
+    from gonio.protocols import Prior, Progress
     from planner.budget import Terms
     from planner.field import Field
 
@@ -63,7 +63,10 @@ PRIOR_CRITERIA = ("i-optimal", "d-optimal")
 
 
 def criterion_named(
-    name: str, prior: Callable[[], Prior] | None = None, seed: int = 0
+    name: str,
+    prior: Callable[[], Prior] | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
 ) -> Criterion:
     """Return a criterion.
 
@@ -75,6 +78,8 @@ def criterion_named(
         Makes the prior, for those of `PRIOR_CRITERIA`.
     seed
         Of the random choice.
+    progress
+        Called by `PRIOR_CRITERIA` with the steps of the search done, and those there may be.
 
     Raises
     ------
@@ -94,4 +99,4 @@ def criterion_named(
         return RandomChoice(seed)
     if prior is None:
         raise BadInputError(f"criterion {name} needs a prior; use farthest, or pass one")
-    return IOptimal(prior) if name == "i-optimal" else DOptimal(prior)
+    return (IOptimal if name == "i-optimal" else DOptimal)(prior, progress)

@@ -49,7 +49,7 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int
     if density == "all":
         return reachable
     try:
-        count = round(candidates / 6) if density == "sixth" else int(density)
+        count = max(1, round(candidates / 6)) if density == "sixth" else int(density)
     except ValueError:
         count = 0
     if not 1 <= count <= candidates:
@@ -60,7 +60,7 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int
     if count > reachable:
         raise BadInputError(
             f"{arm}s: {count} directions are asked for, but within the travel of {arm}_theta and "
-            f"{arm}_phi and clear of everything are {reachable} of {candidates}; ask for fewer or "
-            "all, or correct the rig file"
+            f"{arm}_phi, the limits of the plan and clear of everything are {reachable} of "
+            f"{candidates}; ask for fewer or all, widen the limits, or correct the rig file"
         )
     return count

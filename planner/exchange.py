@@ -60,7 +60,15 @@ def _with_nowhere(metric: TimeMetric) -> TimeMetric:
         for arm in (metric.view, metric.light)
     )
     nowhere = [len(metric.view.go_s), len(metric.light.go_s)]
-    return replace(metric, view=view, light=light, poses=np.vstack([metric.poses, nowhere]))
+    return replace(
+        metric,
+        view=view,
+        light=light,
+        poses=np.vstack([metric.poses, nowhere]),
+        # slow moves are kept by numbers that one more shot changes
+        slow_keys=np.empty(0, np.int64),
+        slow_s=np.empty(0),
+    )
 
 
 def _best_exchange(

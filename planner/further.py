@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gonio.directions import from_degrees
-from gonio.errors import NothingLeftError
+from gonio.errors import BadInputError, NothingLeftError
 from gonio.timemodel import estimate
 from planner.candidates import paper_candidates
 from planner.make import field_within, make_plan
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from gonio.rig import Rig
     from planner.field import Field
 
-MEASURED = "measured before, as they are or reversed"
+MEASURED = "measured or planned before, as they are or reversed"
 """Why a pair is left out."""
 
 # far below the spacing of any directions, far above round-off of their angles
@@ -45,6 +45,8 @@ class Before:
         Whether their reverses need not be measured either.
     calibrated_s
         Exposures of which dark and white frames are there, in seconds.
+    at_deg
+        Where the axes stand, where the capture goes on at once; None: they will have to be homed.
     """
 
     parent: str
@@ -52,6 +54,7 @@ class Before:
     shots: Sequence[Shot]
     reverses: bool = True
     calibrated_s: tuple[float, ...] = ()
+    at_deg: tuple[float, ...] | None = None
 
     def known(self, field: Field) -> NDArray[np.bool_]:
         """Return which pairs of a field need not be measured again, shape (L, V)."""
@@ -60,7 +63,9 @@ class Before:
         return known | _at(field, view, light) if self.reverses else known
 
 
-def make_further_plan(rig: Rig, before: Before, shots: int, **choice: Any) -> Plan:
+def make_further_plan(
+    rig: Rig, before: Before, shots: int, *, exactly: bool = False, **choice: Any
+) -> Plan:
     """Choose pairs among those that were not measured, and count their shots on.
 
     Parameters
@@ -71,6 +76,8 @@ def make_further_plan(rig: Rig, before: Before, shots: int, **choice: Any) -> Pl
         What was measured.
     shots
         How many pairs; of fewer that are left, all.
+    exactly
+        Rather refuse where fewer are left.
     choice
         More of `planner.make.make_plan`.
 
@@ -88,11 +95,13 @@ def make_further_plan(rig: Rig, before: Before, shots: int, **choice: Any) -> Pl
     left = int((field.allowed & ~before.known(field)).sum())
     if not left:
         raise NothingLeftError
+    if exactly and shots > left:
+        raise BadInputError(f"shots is {shots}; give 1 to {left}, all pairs that are left to take")
     plan = make_plan(rig, shots=min(shots, left), leave_out={MEASURED: before.known}, **choice)
     counted = tuple(
         shot.model_copy(update={"index": before.next_index + shot.index}) for shot in plan.shots
     )
-    estimates = estimate(counted, rig, choice.get("timing"), before.calibrated_s)
+    estimates = estimate(counted, rig, choice.get("timing"), before.calibrated_s, before.at_deg)
     return plan.model_copy(
         update={"parent": before.parent, "shots": counted, "estimates": estimates}
     )

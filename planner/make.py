@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gonio.clearance import check_white
 from gonio.errors import BadInputError
-from gonio.plan import Plan, RouteTime, Selection
+from gonio.plan import LeftOut, Plan, RouteTime, Selection
 from gonio.timemodel import estimate
 from gonio.timing import default_timing
 from planner.candidates import paper_candidates
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gonio.protocols import Prior
+    from gonio.plan import Shot
+    from gonio.protocols import Prior, Progress
     from gonio.rig import Rig
     from gonio.timing import Timing
     from planner.candidates import Candidates
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
 
     Demand = Callable[[Candidates, Candidates], NDArray[np.float64]]
     Omission = Callable[[Field], NDArray[np.bool_]]
+
+
+FEWER_FRAMES = "by taking only the exposures that may show a shot better than the others do"
 
 
 def make_plan(
@@ -49,6 +54,7 @@ def make_plan(
     seed: int = 0,
     timing: Timing | None = None,
     bracket: str = "all",
+    progress: Progress | None = None,
 ) -> Plan:
     """Choose directions, leave out what the rig cannot take, and put the rest in order.
 
@@ -83,17 +89,20 @@ def make_plan(
     bracket
         `all` of the rig's exposures for every shot, or those `predicted` to show it (see
         `planner.exposures`).
+    progress
+        Called with the steps of the choice done, and those there may be.
 
     Raises
     ------
     BadInputError
         For a density or criterion that is none, or when the rig can take no such shot.
     """
-    judge = criterion_named(criterion, prior, seed)
+    judge = criterion_named(criterion, prior, seed, progress)
     light_set, view_set = (
         each or paper_candidates() for each in (light_candidates, view_candidates)
     )
     reach = reach_of(light_set, view_set, rig, max_theta_deg)
+    check_white(rig)
     counts = None if demand is None else demand(light_set, view_set)
     field, omitted = _without(Field(light_set, view_set, reach.allowed, counts), leave_out or {})
     timing = timing or default_timing(rig)
@@ -129,11 +138,25 @@ def make_plan(
     return Plan(
         rig_sha256=rig.sha256,
         selection=selection,
-        left_out=reach.left_out(choice.measured, omitted),
+        left_out=(
+            *reach.left_out(choice.measured, omitted, freely=shots is not None or bool(hours)),
+            *_frames_left_out(ordered, rig, timing),
+        ),
         estimates=estimate(ordered, rig, timing),
         route=RouteTime(moving_s=route.moving_s, bound_s=route.bound_s),
         shots=ordered,
     )
+
+
+def _frames_left_out(shots: tuple[Shot, ...], rig: Rig, timing: Timing) -> tuple[LeftOut, ...]:
+    """Return what it spares that shots take fewer exposures than the rig has, where any do."""
+    every = rig.camera.exposures_s
+    if all(len(shot.exposures_s) == len(every) for shot in shots):
+        return ()
+    whole = tuple(shot.model_copy(update={"exposures_s": every}) for shot in shots)
+    seconds = [estimate(each, rig, timing).total_s for each in (whole, shots)]
+    spared_min = (seconds[0] - seconds[1]) / 60
+    return (LeftOut(reason=FEWER_FRAMES, shots=0, spared_shots=0, spared_min=spared_min),)
 
 
 def _set_names(lights: Candidates, views: Candidates) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.protocols import Prior
+    from gonio.protocols import Prior, Progress
     from planner.budget import Terms
     from planner.field import Field
 
@@ -37,12 +37,14 @@ class _Optimal:
     ----------
     prior
         Makes what is believed of the material.
+    progress
+        Called with the steps of the search done, and those there may be.
     """
 
     _measure: Measure
 
-    def __init__(self, prior: Callable[[], Prior]) -> None:
-        self._prior = prior
+    def __init__(self, prior: Callable[[], Prior], progress: Progress | None = None) -> None:
+        self._prior, self._progress = prior, progress
 
     def product(self, field: Field, lights: int, views: int) -> Choice:
         """Choose lights and views that grow side by side and are exchanged in turn."""
@@ -51,7 +53,9 @@ class _Optimal:
         if (lights, views) == (len(light), len(view)):
             return Choice(product_of(allowed, light, view))
         kinds = unknown_of(field, self._prior())
-        light, view = best_product(kinds, allowed, lights, views, self._measure)
+        light, view = best_product(
+            kinds, allowed, lights, views, self._measure, progress=self._progress
+        )
         return _judged(field, kinds, product_of(allowed, light, view))
 
     def pairs(self, field: Field, count: int) -> Choice:
@@ -62,7 +66,9 @@ class _Optimal:
         if count == field.allowed.sum():
             return Choice(field.allowed.copy())
         kinds = unknown_of(field, self._prior())
-        chosen = best_pairs(kinds, field.allowed.ravel(), count, self._measure)
+        chosen = best_pairs(
+            kinds, field.allowed.ravel(), count, self._measure, progress=self._progress
+        )
         measured = np.zeros_like(field.allowed)
         measured.flat[_either_way(chosen, classes_of(kinds), field.allowed.ravel())] = True
         return _judged(field, kinds, measured)
@@ -70,7 +76,9 @@ class _Optimal:
     def within(self, field: Field, seconds: float, terms: Terms) -> Choice:
         """Choose pairs by what they tell per second (see `planner.budget`)."""
         kinds = unknown_of(field, self._prior())
-        priced = pairs_within(kinds, field.allowed.ravel(), seconds, terms, self._measure)
+        priced = pairs_within(
+            kinds, field.allowed.ravel(), seconds, terms, self._measure, self._progress
+        )
         if priced is None:
             raise BadInputError(
                 f"a capture of one shot takes more than {seconds / 3600:g} h, calibration and all; "

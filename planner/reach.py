@@ -55,7 +55,9 @@ class Reach:
         """Every reason that there is, in the order of the checks."""
         return {name: mask for name, mask in (self.alone | self.together).items() if mask.any()}
 
-    def left_out(self, chosen: Mask, omitted: Mapping[str, Mask]) -> tuple[LeftOut, ...]:
+    def left_out(
+        self, chosen: Mask, omitted: Mapping[str, Mask], *, freely: bool = False
+    ) -> tuple[LeftOut, ...]:
         """Say why each pair that is not measured is not, with counts that add up.
 
         Parameters
@@ -66,14 +68,14 @@ class Reach:
         omitted
             Pairs that the rig could take and that need not be measured, by reason; each of these
             reasons is told, whether it leaves out any or not.
+        freely
+            Whether pairs were chosen one by one among those that the rig can take: then all that
+            it cannot take count as lost.
         """
-        before = np.any([*self.alone.values(), *omitted.values()], axis=0)
-        masks = {
-            **self.alone,
-            **omitted,
-            "not chosen": ~before & ~chosen,
-            **{reason: mask & chosen for reason, mask in self.together.items()},
-        }
+        lost = {reason: mask & (chosen | freely) for reason, mask in self.together.items()}
+        masks = {**self.alone, **omitted}
+        before = np.any([*masks.values(), *lost.values(), chosen], axis=0)
+        masks |= {"not chosen": ~before, **lost}
         counts = {reason: int(mask.sum()) for reason, mask in masks.items()}
         return tuple(
             LeftOut(reason=reason, shots=n)

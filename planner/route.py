@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.errors import BadInputError
 from planner.construct import first_routes
+from planner.few import FEW, shortest
 from planner.local_search import improve, is_available
 from planner.metric import TimeMetric
 from planner.places import Places
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     Arms = tuple[Places, Places]
     Ways = Callable[[Array, Array], Array]
 
-_WORK = 300_000
+WORK = 300_000
 _MOST_WORK = 200_000_000
 """Looks at the metric for each shot, and for all: counts, so that a route repeats to the bit."""
 
@@ -54,8 +56,6 @@ class Route:
         Full turns of the phi axes beyond these, shape (n, 2).
     moving_s
         Seconds of all moves, the true times of blocked ones included.
-    bound_s
-        Seconds that no route can beat.
     method
         How it was found.
     """
@@ -64,8 +64,14 @@ class Route:
     phi_deg: Array
     turns: NDArray[np.int64]
     moving_s: float
-    bound_s: float
     method: str
+    _least: TimeMetric
+
+    @cached_property
+    def bound_s(self) -> float:
+        """Seconds that no route can beat."""
+        # a bound that is met may be above by round-off
+        return min(self.moving_s, bound_s(self._least, self.order))
 
 
 def plan_route(
@@ -74,10 +80,12 @@ def plan_route(
     timing: Timing | None = None,
     way_s: Ways | None = None,
     seed: int = 0,
+    work: int = WORK,
 ) -> Route:
     """Order shots for the least time of moving.
 
-    Three routes are built, each is improved by local search, and the quickest is searched on.
+    Three routes are built, each is improved by local search, and the quickest is searched on. Of
+    few shots the shortest route of all is found.
 
     Parameters
     ----------
@@ -93,6 +101,8 @@ def plan_route(
         (m, 4) to axis angles (m, 4), shape (m,). Asked only for the moves of good routes.
     seed
         Of the search.
+    work
+        How often the search may look at the metric for each shot.
 
     Raises
     ------
@@ -104,9 +114,10 @@ def plan_route(
     arms = (view, light)
     metric = TimeMetric.between_places(view, light, rig, timing)
     metric, order, method = _started(metric, arms)
-    metric, order = _searched(metric, order, arms, _work(order), seed)
+    looks = min(work * len(order), _MOST_WORK)
+    metric, order = _searched(metric, order, arms, looks, seed)
     if way_s is not None:
-        metric, order = _around(metric, order, arms, way_s, seed)
+        metric, order = _around(metric, order, arms, way_s, looks // _ROUNDS, seed)
     places = list(zip(arms, metric.poses[order].T, strict=True))
     moving_s = metric.total(order)
     if not np.isfinite(moving_s):
@@ -119,10 +130,15 @@ def plan_route(
         phi_deg=np.stack([arm.phi_deg[at] for arm, at in places], axis=1),
         turns=np.stack([arm.turn[at] for arm, at in places], axis=1),
         moving_s=moving_s,
-        # a bound that is met may be above by round-off
-        bound_s=min(moving_s, bound_s(metric.least(*arms), order)),
-        method=f"{method}, local search" if is_available() else f"{method}, 2-opt in NumPy",
+        method=_method(method, len(order)),
+        _least=metric.least(*arms),
     )
+
+
+def _method(start: str, shots: int) -> str:
+    if shots <= FEW:
+        return "the shortest of all"
+    return f"{start}, local search" if is_available() else f"{start}, 2-opt in NumPy"
 
 
 def _started(metric: TimeMetric, arms: Arms) -> tuple[TimeMetric, Indices, str]:
@@ -137,13 +153,15 @@ def _started(metric: TimeMetric, arms: Arms) -> tuple[TimeMetric, Indices, str]:
 def _searched(
     metric: TimeMetric, order: Indices, arms: Arms, work: int, seed: int
 ) -> tuple[TimeMetric, Indices]:
+    if len(order) <= FEW:
+        return shortest(metric, arms)
     metric = with_best_places(metric, order, arms)
     metric, order = improve(metric, arms, order, work, seed)
     return with_best_places(metric, order, arms), order
 
 
 def _around(
-    metric: TimeMetric, order: Indices, arms: Arms, way_s: Ways, seed: int
+    metric: TimeMetric, order: Indices, arms: Arms, way_s: Ways, looks: int, seed: int
 ) -> tuple[TimeMetric, Indices]:
     """Ask for the true times of a route's moves, and search again with what is slow, in turns."""
     asked = np.empty(0, np.int64)
@@ -158,12 +176,8 @@ def _around(
             best, best_order = metric, order
         if not len(new):
             break
-        metric, order = _searched(best, best_order, arms, _work(order) // _ROUNDS, seed)
+        metric, order = _searched(best, best_order, arms, looks, seed)
     return best, best_order
-
-
-def _work(order: Indices) -> int:
-    return min(_WORK * len(order), _MOST_WORK)
 
 
 def _told(

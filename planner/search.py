@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from gonio.steps import Steps
 from planner.pairing import may_join
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from gonio.protocols import Progress
     from planner.information import Unknown
 
     Array = NDArray[np.float64]
@@ -44,6 +46,7 @@ def best_pairs(
     count: int,
     measure: Measure,
     sweeps: int = 2,
+    progress: Progress | None = None,
 ) -> NDArray[np.int64]:
     """Choose `count` pairs one after the other, then exchange each for the best there is.
 
@@ -60,13 +63,15 @@ def best_pairs(
         What counts as gain.
     sweeps
         How often all pairs are exchanged in turn, unless none moves before.
+    progress
+        Called with the steps done and those there may be.
 
     Returns
     -------
     ndarray
         Pairs in the order of their choice, shape (count,).
     """
-    search = _PairSearch(kinds, allowed, measure)
+    search = _PairSearch(kinds, allowed, measure, Steps(count * (1 + sweeps), progress))
     for _ in range(count):
         search.add()
     for _ in range(sweeps):
@@ -79,9 +84,13 @@ class _PairSearch:
     """A set of pairs in the making."""
 
     def __init__(
-        self, kinds: Sequence[Unknown], allowed: NDArray[np.bool_], measure: Measure
+        self,
+        kinds: Sequence[Unknown],
+        allowed: NDArray[np.bool_],
+        measure: Measure,
+        steps: Steps,
     ) -> None:
-        self.kinds, self.measure = kinds, measure
+        self.kinds, self.measure, self.steps = kinds, measure, steps
         self.chosen: list[int] = []
         self._allowed = allowed
         self._classes = classes_of(kinds)
@@ -90,12 +99,14 @@ class _PairSearch:
 
     def add(self) -> None:
         free = self._free()
+        self.steps()
         self._turn(int(np.argmax(np.where(free, self._gains(), -np.inf))), known=True)
 
     def exchange(self) -> bool:
         """Take each pair out in turn and put the best there is in; return whether any has moved."""
         moved = False
         for pair in list(self.chosen):
+            self.steps()
             self._turn(pair, known=False)
             gain = np.where(self._free(), self._gains(), -np.inf)
             best = int(np.argmax(gain))
@@ -141,6 +152,7 @@ def best_product(
     views: int,
     measure: Measure,
     sweeps: int = 3,
+    progress: Progress | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Choose `lights` rows and `views` columns whose pairs together tell most.
 
@@ -154,13 +166,16 @@ def best_product(
         Which pairs can be measured, shape (light candidates, view candidates).
     measure
         What counts as gain.
+    progress
+        Called with the steps done and those there may be.
 
     Returns
     -------
     tuple of ndarray
         Rising indices of lights and of views.
     """
-    search = _ProductSearch(kinds, allowed, measure)
+    steps = Steps((lights + views) * (1 + sweeps), progress)
+    search = _ProductSearch(kinds, allowed, measure, steps)
     search.grow(lights, views)
     for _ in range(sweeps):
         if not search.exchange():
@@ -172,9 +187,13 @@ class _ProductSearch:
     """A product in the making; axis 0 are lights, axis 1 views."""
 
     def __init__(
-        self, kinds: Sequence[Unknown], allowed: NDArray[np.bool_], measure: Measure
+        self,
+        kinds: Sequence[Unknown],
+        allowed: NDArray[np.bool_],
+        measure: Measure,
+        steps: Steps,
     ) -> None:
-        self.kinds, self.allowed, self.measure = kinds, allowed, measure
+        self.kinds, self.allowed, self.measure, self.steps = kinds, allowed, measure, steps
         self.pairs = np.arange(allowed.size).reshape(allowed.shape)
         self.chosen: list[list[int]] = [[], []]
         self.wanted = (0, 0)
@@ -204,9 +223,11 @@ class _ProductSearch:
         return moved
 
     def _add(self, axis: int) -> int:
+        self.steps()
         others = self.chosen[1 - axis]
-        blocks, counted = self.pairs[:, others], self.allowed[:, others]
-        if axis == 1:
+        if axis == 0:
+            blocks, counted = self.pairs[:, others], self.allowed[:, others]
+        else:
             blocks, counted = self.pairs[others].T, self.allowed[others].T
         gain = np.asarray(sum(self.measure.block(kind, blocks, counted) for kind in self.kinds))
         chosen = (self.chosen[0], self.chosen[1])

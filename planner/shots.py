@@ -14,7 +14,7 @@ from gonio.timemodel import estimate
 from planner.budget import Priced, Terms
 from planner.exposures import with_predicted_exposures
 from planner.metric import TimeMetric
-from planner.route import plan_route
+from planner.route import WORK, plan_route
 from planner.ways import seconds_of_ways
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from planner.route import Route
 
 FULL_CURRENT_MA = 700.0
+
+_QUICK = WORK // 10
+"""Work on the route of a set that is only priced: a longer search goes on from there."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,12 @@ class ShotMaker:
     timing: Timing
     prior: Prior | None = None
 
-    def ordered(self, measured: NDArray[np.bool_]) -> tuple[tuple[Shot, ...], Route]:
+    def ordered(
+        self, measured: NDArray[np.bool_], work: int = WORK
+    ) -> tuple[tuple[Shot, ...], Route]:
         """Return the shots of `measured`, shape (L, V), in route order, and their route.
+
+        `work` is that of `planner.route.plan_route`.
 
         Raises
         ------
@@ -60,7 +67,7 @@ class ShotMaker:
         """
         angles_deg = self._angles_deg(np.flatnonzero(measured))
         ways = seconds_of_ways(self.rig, self.timing)
-        route = plan_route(angles_deg, self.rig, self.timing, way_s=ways)
+        route = plan_route(angles_deg, self.rig, self.timing, way_s=ways, work=work)
         columns = {
             "view_theta_deg": angles_deg[route.order, 0],
             "light_theta_deg": angles_deg[route.order, 2],
@@ -81,7 +88,7 @@ class ShotMaker:
         """Put pairs in order and estimate the whole capture of them."""
         measured = np.zeros_like(self.field.allowed)
         measured.flat[list(pairs)] = True
-        shots, route = self.ordered(measured)
+        shots, route = self.ordered(measured, _QUICK)
         order = np.flatnonzero(measured)[route.order].tolist()
         return Priced(order, estimate(shots, self.rig, self.timing).total_s)
 

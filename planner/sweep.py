@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from gonio.errors import BadInputError
 from planner.locate import rows_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -129,7 +130,7 @@ def run_sweep(
         When there is no plan of any design.
     """
     outcomes, refused = [], []
-    with ThreadPoolExecutor(workers) as pool:
+    with _leaving_at_once(ThreadPoolExecutor(workers)) as pool:
         made = pool.map(partial(_plan, plan_of), designs)
         for number, (design, (plan, planning_s)) in enumerate(zip(designs, made, strict=True), 1):
             if isinstance(plan, BadInputError):
@@ -142,6 +143,15 @@ def run_sweep(
     if not outcomes:
         raise BadInputError(refused[0][1])
     return Sweep(tuple(outcomes), tuple(refused))
+
+
+@contextmanager
+def _leaving_at_once(pool: ThreadPoolExecutor) -> Iterator[ThreadPoolExecutor]:
+    """Close a pool at the end; when that is no good one, without what has not begun."""
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _plan(plan_of: Callable[..., Plan], design: Design) -> tuple[Plan | BadInputError, float]:

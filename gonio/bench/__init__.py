@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gonio.bench.checkup import Finding, exercise, look_over
 from gonio.bench.run import Bench, bench_rig
 
-__all__ = ["Bench", "bench_rig"]
+__all__ = ["Bench", "Finding", "bench_rig", "exercise", "look_over"]

@@ -81,7 +81,7 @@ class FrameBench:
         gonio.errors.DeviceFaultError
             When a device fails.
         """
-        self._instrument.arm.move(WHITE_POSE_DEG)
+        self._instrument.move_clear(WHITE_POSE_DEG, self._rig)
         startup = self._repeated(self._start)
         lamps = self._repeated(lambda: self._instrument.lamps.apply(self._lit))
         frames = [
@@ -117,13 +117,13 @@ class FrameBench:
     def _expose(self, exposure_s: float, path: Path) -> _Frame:
         instrument, clock = self._instrument, self._instrument.clock
         began = clock.now()
-        angles_deg, before = instrument.arm.angles_deg(), instrument.camera.names()
-        exposure = instrument.lamps.expose(exposure_s)
+        angles_deg = instrument.arm.angles_deg()
+        latent = instrument.camera.expose(exposure_s)
         closed = clock.now()
-        instrument.camera.fetch(exposure.frame, before, path)
+        instrument.camera.fetch(latent, path)
         there = clock.now()
         view = ArmPose.from_degrees(angles_deg["view_theta"], angles_deg["view_phi"])
-        level_s = self._white_level(path, view, exposure.flux)
+        level_s = self._white_level(path, view, latent.flux)
         self._step()
         return _Frame(max(closed - began - exposure_s, 0.0), there - closed, level_s)
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gonio.bench.fit import Profile, fit_line, fit_profile, fit_ring_down
+from gonio.errors import BadInputError
+from gonio.paths import blocked
 from gonio.rig import AXES
 from gonio.timing import AxisTiming, Spread
 
@@ -72,9 +74,8 @@ class AxisBench:
     """
 
     def __init__(self, instrument: Instrument, rig: Rig, step: Callable[[], None]) -> None:
-        self._arm, self._clock, self._rig, self._step = (
-            instrument.arm, instrument.clock, rig, step
-        )  # fmt: skip
+        self._instrument, self._rig, self._step = instrument, rig, step
+        self._arm, self._clock = instrument.arm, instrument.clock
 
     def measure(self, name: str) -> AxisResult:
         """Measure one axis.
@@ -85,6 +86,7 @@ class AxisBench:
             When it fails, or its times fit no profile.
         """
         parked, spec = parked_deg(self._rig, name), self._rig.axis[name]
+        self._check_clear(parked, name)
         moves = np.array([self._move(parked, name, *ends) for ends in _ways(spec)])
         distance, arrived_s, settled_s = moves.T
         profile = fit_profile(
@@ -105,10 +107,24 @@ class AxisBench:
         )
         return AxisResult(distance, arrived_s, settled_s, profile, timing, ring_down_s)
 
+    def _check_clear(self, parked: Mapping[str, float], name: str) -> None:
+        """Refuse to sweep an axis where that brings the arms too near to each other."""
+        ways = [
+            [[{**parked, name: end}[axis] for axis in AXES] for end in way]
+            for way in _ways(self._rig.axis[name])
+        ]
+        starts, ends = np.array(ways).transpose(1, 0, 2)
+        if any(blocked(starts, ends, self._rig)):
+            raise BadInputError(
+                f"{name}: swept over all of its travel, it brings the arms nearer to each other "
+                "than arm.min_separation_deg; measure with that at 0 if the arms can pass each "
+                "other, or plan without --timing"
+            )
+
     def _move(
         self, parked: Mapping[str, float], name: str, start_deg: float, end_deg: float
     ) -> tuple[float, float, float]:
-        self._arm.move({**parked, name: start_deg})
+        self._instrument.move_clear({**parked, name: start_deg}, self._rig)
         began = self._clock.now()
         # all four are told, as in a capture: telling them is part of the time
         self._arm.go({**parked, name: end_deg})
@@ -119,7 +135,7 @@ class AxisBench:
 
     def _ring_down(self, parked: Mapping[str, float], name: str) -> float:
         start_deg, end_deg = _ways(self._rig.axis[name])[-1]
-        self._arm.move({**parked, name: start_deg})
+        self._instrument.move_clear({**parked, name: start_deg}, self._rig)
         self._arm.go({**parked, name: end_deg})
         seen = []
         for _ in range(_RING_POLLS):
@@ -134,7 +150,7 @@ class AxisBench:
         ways, times = [], []
         for share in _HOMED_FROM:
             start_deg = spec.min_deg + share * (spec.max_deg - spec.min_deg)
-            self._arm.move({**parked, name: start_deg})
+            self._instrument.move_clear({**parked, name: start_deg}, self._rig)
             began = self._clock.now()
             self._arm.home(anew=(name,))
             ways.append(abs(start_deg - spec.to_degrees(0)))

@@ -11,6 +11,7 @@ from gonio.bench.frames import FrameBench, FrameResult, steps_of
 from gonio.bench.moves import STEPS, AxisBench, AxisResult
 from gonio.errors import BadInputError
 from gonio.rig import AXES
+from gonio.steps import Steps
 from gonio.timemodel import WHITE_POSE_DEG
 from gonio.timing import AxesTiming, Timing
 
@@ -70,9 +71,9 @@ def bench_rig(
         When a device fails, or times fit no model.
     """
     _check(rig)
-    step = _Steps(STEPS + steps_of(rig), progress)
+    step = Steps(STEPS + steps_of(rig), progress)
     with instrument.ready():
-        operator.place("reference")
+        instrument.place(operator, "reference")
         bench = AxisBench(instrument, rig, step)
         axes = {name: bench.measure(name) for name in AXES}
         frames = FrameBench(instrument, rig, scratch, step).measure()
@@ -96,15 +97,3 @@ def _check(rig: Rig) -> None:
         )
     for name, angle in WHITE_POSE_DEG.items():
         rig.check_reach(name, angle)
-
-
-class _Steps:
-    """Counts steps for whoever watches."""
-
-    def __init__(self, total: int, progress: Progress | None) -> None:
-        self._done, self._total, self._progress = 0, total, progress
-
-    def __call__(self) -> None:
-        self._done += 1
-        if self._progress is not None:
-            self._progress(self._done, self._total)

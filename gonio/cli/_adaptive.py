@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from gonio.adaptive import Goal, Round
-    from gonio.cli._twin import TwinSettings
+    from gonio.capture import Instrument, Operator
+    from gonio.clock import Clock
     from gonio.plan import Plan
     from gonio.samples import Samples
     from gonio.session import Session
@@ -119,37 +121,40 @@ def check_affordable(plan: Plan, goal: Goal) -> None:
         )
 
 
-def note_goal(session: Session, goal: Goal) -> None:
+def note_goal(session: Session, goal: Goal, clock: Clock) -> None:
     """Put the goal into a new session's journal, before anybody can see the session."""
     from gonio.adaptive import begin
-    from gonio.clock import VirtualClock
 
     with session.journal(writing=True) as journal:
-        begin(journal, VirtualClock(), goal)
+        begin(journal, clock, goal)
 
 
-def measure_adaptively(session: Session, settings: TwinSettings, goal: Goal) -> None:
+def measure_adaptively(
+    session: Session, driven: AbstractContextManager[tuple[Instrument, Operator]], goal: Goal
+) -> None:
     """Measure and choose in turn until the goal or a limit is reached, and say which."""
     from gonio.adaptive import Rounds, Watch, begin, goal_under_way
     from gonio.capture import Capture
     from gonio.cli._console import progress_bar
+    from gonio.cli._ending import tell_faults, tell_usage
     from gonio.cli._prior import material_prior
     from gonio.cli._samples import reduced
     from gonio.cli._timing import timing_for
-    from gonio.cli._twin import simulated
+    from gonio.wishes import heeding
 
     watch = Watch(session, material_prior(goal.prior_path))
     began = time.perf_counter()
     with (
         session.lock(),
+        heeding(session.root),
         session.journal(writing=True) as journal,
-        simulated(session, settings) as (instrument, operator),
+        driven as (instrument, operator),
     ):
         if goal_under_way(journal) != goal:
             begin(journal, instrument.clock, goal)
 
         def capture() -> None:
-            with progress_bar("capturing") as progress:
+            with tell_faults(journal), progress_bar("capturing") as progress:
                 Capture(session, instrument, operator, journal).run(progress)
 
         def reduce() -> Samples:
@@ -160,7 +165,8 @@ def measure_adaptively(session: Session, settings: TwinSettings, goal: Goal) -> 
             session, journal, instrument.clock, watch, goal,
             timing=timing, bracket="predicted" if timing else "all",
         )  # fmt: skip
-        last = rounds.run(capture, reduce, lambda state: _tell(state, goal))
+        with tell_usage(journal):
+            last = rounds.run(capture, reduce, lambda state: _tell(state, goal))
         session.note_timing("adaptive", time.perf_counter() - began)
     _conclude(session, last)
 
@@ -177,10 +183,13 @@ def _tell(state: Round, goal: Goal) -> None:
 
 def _conclude(session: Session, last: Round) -> None:
     from gonio.cli._console import console
+    from gonio.score import score_of
     from gonio.words import duration
 
     console.print(
         f"{session.root}: {last.ended}: mean sd {last.deviation:.3f} after {last.shots} shots in "
         f"{last.number} plans, {duration(last.rig_s)} of rig time"
     )
-    console.print(f"next: gonio reconstruct {session.root}")
+    if (score := score_of(session)) is not None:
+        console.print(f"that is {score.sentence}")
+    console.print(f"next: {session.reconstruct_command}")

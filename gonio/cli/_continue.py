@@ -87,7 +87,8 @@ def go_on(
     with session.lock():
         session.chain()  # one that does not hold is told before the work
         standing = Watch(session, prior).take_stock(reduced(session))
-        plan = standing.next_plan(SHOTS if shots is None else shots, **choice)
+        wanted = SHOTS if shots is None else shots
+        plan = standing.next_plan(wanted, exactly=shots is not None, **choice)
         return session.add_plan(plan), plan
 
 

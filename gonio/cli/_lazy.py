@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from importlib import import_module
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -37,7 +38,9 @@ class LazyGroup(click.Group):
         """Import the module of a command."""
         if cmd_name not in self._helps:
             return None
-        command: click.Command = import_module(f"{self._commands_of}{cmd_name}").command
+        # no module may be called as a word of the language, as in import
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        command: click.Command = import_module(f"{self._commands_of}{module}").command
         return command
 
     def resolve_command(

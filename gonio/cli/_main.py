@@ -28,11 +28,21 @@ _REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
 # the short helps live here, so that `gonio --help` imports no command
 COMMANDS = {
     "plan": "Choose which directions to measure, in which order; writes plan.json.",
+    "calibrate": "Measure what the camera does to light; writes calibration/.",
     "capture": "Measure a plan on the rig, or on its simulated twin; writes session/.",
+    "watch": "Watch a capture as it goes, in the browser; pause and stop it.",
+    "geometry": "Calibrate camera and view arm by shots of the holder's board.",
+    "color": "Find the camera's color matrix by shots of a chart of 24 patches.",
     "reduce": "Turn a session's raw frames into BRDF samples with sigma.",
     "reconstruct": "Turn a session, or a table of samples, into an NN-BRDF with a report.",
+    "render": "Show materials on shapes under a probe of light, with their errors.",
+    "compare": "Hold materials against each other: table, maps, lobes, renders.",
+    "export": "Write a material for another program: a renderer, a standard, a table.",
+    "import": "Make a material of a file that another program wrote.",
+    "btf": "Turn the pictures of gonio reduce --btf into a network for each texel.",
     "prior": "Make a prior of what materials look like from your own sessions.",
-    "rig": "Measure what a rig takes, so that plans tell their time well.",
+    "rig": "Look a rig over, home, move and stop it, measure what it takes.",
+    "sim": "Serve the simulated rig over real wires, and act on it.",
     "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
 }
@@ -64,6 +74,9 @@ def main() -> None:
     As in `gonio materials | head -3`, it ends quietly with 141 where nobody reads on.
     """
     signal.signal(signal.SIGTERM, _terminate)
+    # under nohup it is to go on
+    if signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:
+        signal.signal(signal.SIGHUP, _terminate)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     try:
@@ -94,7 +107,7 @@ def main() -> None:
 
 
 class _Terminated(KeyboardInterrupt):
-    """SIGTERM: a shutdown of the machine stops a capture as orderly as Ctrl-C does."""
+    """SIGTERM or SIGHUP: a shutdown of the machine, or a closed terminal, stops in order, too."""
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:

@@ -24,17 +24,20 @@ def print_plan(plan: Plan) -> None:
 
 def _rows(plan: Plan) -> Iterator[tuple[str, str]]:
     from gonio.report.plan_facts import spared_rows
-    from gonio.words import duration, size
+    from gonio.words import duration, several, size
 
     selection, estimates, shots = plan.selection, plan.estimates, len(plan.shots)
     yield "views", str(selection.views)
     yield "lights", str(selection.lights)
     yield "shots", f"{shots}, {shots / selection.full_set:.1%} of the full set"
-    yield "measured both ways", f"{selection.reciprocal_pairs} pairs, by reciprocity"
+    if anchors := sum(shot.anchor for shot in plan.shots):
+        yield "anchors", f"{anchors} of these shots repeat one pair"
+    yield "measured both ways", f"{several(selection.reciprocal_pairs, 'pair')}, by reciprocity"
     if selection.variance_left is not None:
         bound = selection.variance_bound
         at_best = "" if bound is None else f"; no choice of so many leaves less than {bound:.2%}"
-        yield "left unknown", f"{selection.variance_left:.2%} of the prior's variance{at_best}"
+        of_what = selection.variance_of if plan.parent is None else "of what was unknown before it"
+        yield "left unknown", f"{selection.variance_left:.2%} {of_what}{at_best}"
     for left_out in plan.left_out:
         yield "left out", f"{left_out.shots} {left_out.reason}"
         yield from ((f"  {name}", text) for name, text in spared_rows(left_out))

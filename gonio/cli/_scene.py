@@ -28,7 +28,7 @@ _OPTIONS = (
         type=click.Path(dir_okay=False, path_type=Path),
         metavar="FILE",
         help="How the material will be used: a scene file (docs/topics/scenes.md), or a Mitsuba "
-        "scene (.xml, with --material). Without --shots, --density, --views and --lights: as few "
+        "scene (.xml, with --material). Without --shots, --hours, --density and the like: as few "
         "shots as know what the scene asks for as well as the default plan would.",
     ),
     click.option("--material", metavar="NAME", help="The material's id in a Mitsuba scene."),
@@ -83,7 +83,13 @@ class SceneOptions:
     @property
     def given(self) -> bool:
         """Whether they change which pairs count."""
-        return self.scene is not None or self.isotropic
+        return bool(self.named)
+
+    @property
+    def named(self) -> list[str]:
+        """Those of the options that change which pairs count."""
+        named = {"--scene": self.scene is not None, "--isotropic": self.isotropic}
+        return [name for name, there in named.items() if there]
 
     def check(self, criterion: str, weight: str, output: Path) -> None:
         """Refuse what does not go with the other options of the command.
@@ -126,21 +132,29 @@ class SceneOptions:
         field_of: Callable[[Mapping[str, Omission]], Field],
         prior: Callable[[], Prior],
         shots: int | None,
+        hours: float | None,
         *,
         fewest: bool,
     ) -> Plan:
         """Make the plan (see `planner.scene.sparing`)."""
+        from nnbrdf.usable import MIN_SAMPLES
         from planner.scene.sparing import Wanted, plan_for_use
         from planner.scene.use import Use
 
-        use, wanted = Use(self.pairs, self.isotropic), Wanted(shots, fewest)
+        use = Use(self.pairs, self.isotropic)
+        wanted = Wanted(shots, hours, fewest, least=MIN_SAMPLES)
         return plan_for_use(use, wanted, make, field_of, prior)
 
     def finish(self, plan: Plan) -> Plan:
-        """Add what leaving out color saves, where it is left out."""
+        """Add what leaving out color saves, where it is left out, and name the scene."""
+        from gonio.files import sha256_file
         from planner.scene.sparing import without_color
 
-        return without_color(plan) if self.mono else plan
+        if self.mono:
+            plan = without_color(plan)
+        if self.scene is None:
+            return plan
+        return plan.of_demand(f"what {self.scene.name} asks for", sha256_file(self.scene))
 
     def draw(self) -> None:
         """Draw the demand, where it is asked for."""

@@ -11,26 +11,34 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
+from gonio.calibration import TwinIdentity
 from gonio.capture import Instrument
+from gonio.cli._rehearsal import UnsyncedFolder
 from gonio.clock import VirtualClock
-from gonio.devices import Arm, FolderCamera, LampHead, LocalFolder
+from gonio.devices import LocalFolder
 from gonio.errors import ResumeRefusedError
-from gonio.files import sha256_file, write_json
+from gonio.files import canonical_json, sha256_bytes, sha256_file, write_json
 from gonio.materials import reference_material
 from gonio.reference import rig_with_reference
 from gonio.validation import Document, check, parse_json, read_text
+from sim.blank import BlankCamera
 from sim.camera import SimCamera
-from sim.materials import load_material
+from sim.faults import faulty_wires
+from sim.imperfections import IDEAL, Imperfections, load_imperfections
+from sim.materials import EMBEDDED, load_material
 from sim.truth import write_truth
 from sim.twin import Twin
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from gonio.capture.instrument import Holder
     from gonio.protocols import Material
     from gonio.rig import Rig
     from gonio.session import Session
+    from gonio.transports import FrameFolder
+    from sim.faults import Fault
+    from sim.tether import Camera
 
 _REMEDY = "this session was not made with --sim, or its sim folder is damaged"
 
@@ -46,32 +54,51 @@ class TwinSettings(Document):
         Of the table's file; empty for an embedded name.
     seed
         Of all noise.
+    imperfections
+        Of arms, camera and lamps; whole, so that a resume needs no file of them.
     """
 
     material: str
     sha256: str
     seed: int = Field(ge=0)
+    imperfections: Imperfections = Field(default=IDEAL, exclude_if=lambda it: it == IDEAL)
+
+    @property
+    def camera(self) -> TwinIdentity:
+        """Which simulated sensor it has."""
+        return twin_identity(self.seed, self.imperfections)
 
     @classmethod
-    def of(cls, material: str, seed: int) -> TwinSettings:
-        """Make the settings of a material as a user names it."""
+    def of(cls, material: str, seed: int, imperfections: str | None) -> TwinSettings:
+        """Make the settings of a material and imperfections as a user names them."""
         name = _whole(material)
-        return cls(material=name, sha256=_digest(name), seed=seed)
+        less_than_ideal = load_imperfections(imperfections or "none")
+        return cls(material=name, sha256=_digest(name), seed=seed, imperfections=less_than_ideal)
+
+
+def twin_identity(seed: int, imperfections: Imperfections) -> TwinIdentity:
+    """Return which simulated sensor a seed and imperfections make."""
+    sizes = imperfections.of_camera.model_dump(mode="json")
+    return TwinIdentity(seed=seed, imperfections_sha256=sha256_bytes(canonical_json(sizes)))
 
 
 def remember(session: Session, settings: TwinSettings, material: Material) -> None:
     """Store the twin's settings and its truth in a new session."""
     write_truth(session.truth_path, material)
-    write_json(_path(session), settings.model_dump())
+    # what is as in an ideal twin is left out: such a session is as those of earlier versions
+    write_json(_path(session), settings.model_dump(exclude_defaults=True))
 
 
-def recall(session: Session, material: str | None, seed: int | None) -> TwinSettings:
+def recall(
+    session: Session, material: str | None, seed: int | None, imperfections: str | None
+) -> TwinSettings:
     """Return the settings a session was begun with.
 
     Raises
     ------
     gonio.errors.ResumeRefusedError
-        When another material or seed is asked for now, or the table's file has changed.
+        When another material, seed or imperfections are asked for now, or the table's file has
+        changed.
     """
     path = _path(session)
     settings = check(
@@ -85,6 +112,11 @@ def recall(session: Session, material: str | None, seed: int | None) -> TwinSett
                 f"{session.root}: was begun with {name} {begun}, not {value}; resume without "
                 f"--{name}, or start a new session with -o"
             )
+    if imperfections and load_imperfections(imperfections) != settings.imperfections:
+        raise ResumeRefusedError(
+            f"{session.root}: was begun with other imperfections; resume without --imperfections, "
+            "or start a new session with -o"
+        )
     if _digest(settings.material) != settings.sha256:
         raise ResumeRefusedError(
             f"{session.root}: {settings.material} is not the file it was begun with; put that "
@@ -93,42 +125,70 @@ def recall(session: Session, material: str | None, seed: int | None) -> TwinSett
     return settings
 
 
+def carried(session: Session) -> Material | None:
+    """Return the embedded material that a session's twin carried; None for a table."""
+    name = recall(session, None, None, None).material
+    return EMBEDDED[name].material if name in EMBEDDED else None
+
+
 @contextlib.contextmanager
-def simulated(session: Session, settings: TwinSettings) -> Iterator[tuple[Instrument, SimOperator]]:
-    """Put the twin together, on a clock that goes on where the session's journal ends."""
+def simulated(
+    session: Session, settings: TwinSettings, faults: Sequence[Fault] = ()
+) -> Iterator[tuple[Instrument, SimOperator]]:
+    """Put the twin together, on a clock that goes on where the session's journal ends.
+
+    Parameters
+    ----------
+    session, settings
+        What is measured, and of what.
+    faults
+        What may go wrong.
+    """
     rig = rig_with_reference(session)
     frames = session.sim / "frames"
     frames.mkdir(parents=True, exist_ok=True)
-    clock = VirtualClock(_last_time(session))
-    camera = SimCamera(rig, load_material(settings.material), settings.seed)
-    twin = Twin(rig, camera, clock, frames, settings.seed, _taken(session))
-    yield _driven(twin, rig, frames, clock), SimOperator(twin)
+    clock = VirtualClock(session.clock_s())
+    camera, folder = _camera(session, rig, settings, frames)
+    twin = Twin(
+        rig, camera, clock, frames, settings.seed, _taken(session),
+        imperfections=settings.imperfections,
+    )  # fmt: skip
+    wires = faulty_wires(twin, rig, folder, clock, faults, settings.seed)
+    yield Instrument.of(wires.bus, wires.line, wires.folder, rig, clock), SimOperator(twin)
     shutil.rmtree(frames)
 
 
+def _camera(
+    session: Session, rig: Rig, settings: TwinSettings, frames: Path
+) -> tuple[Camera, FrameFolder]:
+    """Return the twin's camera, and the folder that its files are fetched from."""
+    if session.notes().rehearsal:
+        return BlankCamera(settings.seed), UnsyncedFolder(frames)
+    material = load_material(settings.material)
+    camera = SimCamera(rig, material, settings.seed, settings.imperfections.of_camera)
+    return camera, LocalFolder(frames)
+
+
 @contextlib.contextmanager
-def simulated_rig(rig: Rig, seed: int) -> Iterator[tuple[Instrument, SimOperator, Path]]:
+def simulated_rig(
+    rig: Rig, seed: int, imperfections: Imperfections = IDEAL
+) -> Iterator[tuple[Instrument, SimOperator, Path]]:
     """Put a twin together without a session; yields a folder for its frames as well."""
     with tempfile.TemporaryDirectory() as folder:
         frames, scratch = Path(folder) / "frames", Path(folder) / "scratch"
         frames.mkdir()
         scratch.mkdir()
         clock = VirtualClock()
-        twin = Twin(rig, SimCamera(rig, reference_material(rig), seed), clock, frames, seed)
-        yield _driven(twin, rig, frames, clock), SimOperator(twin), scratch
-
-
-def _driven(twin: Twin, rig: Rig, frames: Path, clock: VirtualClock) -> Instrument:
-    return Instrument(
-        arm=Arm(twin.bus, rig, clock),
-        lamps=LampHead(twin.line, rig, clock),
-        camera=FolderCamera(LocalFolder(frames), rig, clock),
-        clock=clock,
-    )
+        camera = SimCamera(rig, reference_material(rig), seed, imperfections.of_camera)
+        twin = Twin(rig, camera, clock, frames, seed, imperfections=imperfections)
+        instrument = Instrument.of(twin.bus, twin.line, LocalFolder(frames), rig, clock)
+        yield instrument, SimOperator(twin), scratch
 
 
 class SimOperator:
     """The twin changes the sample itself."""
+
+    by_hand = False
 
     def __init__(self, twin: Twin) -> None:
         self._twin = twin
@@ -140,12 +200,12 @@ class SimOperator:
 
 def _whole(material: str) -> str:
     """Return a table's whole path, so that a resume finds it from any folder."""
-    return str(Path(material).resolve()) if material.endswith(".npz") else material
+    return str(Path(material).resolve()) if Path(material).suffix else material
 
 
 def _digest(material: str) -> str:
     path = Path(material)
-    return sha256_file(path) if material.endswith(".npz") and path.is_file() else ""
+    return sha256_file(path) if path.suffix and path.is_file() else ""
 
 
 def _taken(session: Session) -> Counter[tuple[bool, int]]:
@@ -159,10 +219,3 @@ def _taken(session: Session) -> Counter[tuple[bool, int]]:
 
 def _path(session: Session) -> Path:
     return session.sim / "twin.json"
-
-
-def _last_time(session: Session) -> float:
-    if not session.journal_path.is_file():
-        return 0.0
-    with session.journal() as journal:
-        return max((event.at_s for event in journal.events()), default=0.0)

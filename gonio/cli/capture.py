@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
-from click.core import ParameterSource
+
+from gonio.cli._imperfections import imperfections_option
 
 if TYPE_CHECKING:
-    from gonio.adaptive import Goal
-    from gonio.cli._twin import TwinSettings
-    from gonio.plan import Plan
-    from gonio.rig import Rig
-    from gonio.session import Session
+    from sim.faults import Fault
 
-_DEFAULT_PLAN = Path("plan.json")
-_MATERIAL = "wood-veneer"
-_NOTES = {
-    "sample": "--sample",
-    "orientation": "--orientation",
-    "mounting": "--mounting",
-    "operator": "--operator",
-    "temperature_c": "--temperature",
+_OF_THE_TWIN = {
+    "material": "--material",
+    "seed": "--seed",
+    "faults_path": "--faults",
+    "imperfections": "--imperfections",
+    "rehearse": "--rehearse",
 }
 
 
 def _material(text: str) -> str:
     """Return an embedded name in the case that it has, a path as it is."""
-    return text if text.endswith(".npz") else text.lower()
+    return text if Path(text).suffix else text.lower()
 
 
 @click.command(name="capture")
@@ -38,11 +32,25 @@ def _material(text: str) -> str:
     "--material",
     type=_material,
     metavar="NAME|FILE",
-    help="With --sim, what the twin carries: a name from `gonio materials`, or an .npz table of "
-    "81 x 81 directions.  [default: wood-veneer]",
+    help="With --sim, what the twin carries: a name from `gonio materials`, or a file: an "
+    "npz table of 81 x 81 directions, or one that gonio import reads.  [default: wood-veneer]",
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), help="With --sim, seed of all noise.  [default: 0]"
+)
+@imperfections_option
+@click.option(
+    "--faults",
+    "faults_path",
+    type=click.Path(path_type=Path),
+    help="With --sim, a file of what goes wrong and when (docs/topics/faults.md).",
+)
+@click.option(
+    "--rehearse",
+    is_flag=True,
+    default=None,
+    help="With --sim, go through every move, exposure and fault without rendering a frame, to see "
+    "what the plan takes.",
 )
 @click.option(
     "--plan",
@@ -62,6 +70,12 @@ def _material(text: str) -> str:
     help="The session's folder; an existing one is never overwritten.",
 )
 @click.option("--resume", is_flag=True, help="Go on with the session in the output folder.")
+@click.option(
+    "--retake",
+    is_flag=True,
+    help="Go on with the session in the output folder, and take the shots again that the checks "
+    "of gonio reduce flagged.",
+)
 @click.option(
     "--adaptive",
     is_flag=True,
@@ -90,6 +104,21 @@ def _material(text: str) -> str:
     type=click.Path(dir_okay=False, path_type=Path),
     help="With --adaptive, what materials look like (see gonio prior).  [default: generated ones]",
 )
+@click.option(
+    "--calibration",
+    "calibration_path",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="A camera's calibration that gonio calibrate made; a copy goes into the session, and the "
+    "reduction corrects by it.  [default: none]",
+)
+@click.option(
+    "--max-age",
+    "max_age_days",
+    type=click.FloatRange(min=0),
+    metavar="DAYS",
+    help="With --calibration, how old it may be.  [default: 30]",
+)
 @click.option("--sample", help="Name of the sample, for the notes.")
 @click.option("--orientation", default="marked edge along +x", show_default=True)
 @click.option("--mounting", default="flat in the holder", show_default=True)
@@ -100,16 +129,22 @@ def command(
     sim: bool,
     material: str | None,
     seed: int | None,
+    imperfections: str | None,
+    faults_path: Path | None,
+    rehearse: bool | None,
     plan_path: Path | None,
     rig_path: Path | None,
     output: Path,
     resume: bool,
+    retake: bool,
     adaptive: bool,
     until: float | None,
     batch: int | None,
     max_shots: int | None,
     hours: float | None,
     prior_path: Path | None,
+    calibration_path: Path | None,
+    max_age_days: float | None,
     sample: str | None,
     orientation: str,
     mounting: str,
@@ -118,181 +153,88 @@ def command(
 ) -> None:
     """Measure a plan: dark frames, the white reference at 0:45, then every shot.
 
+    On a real rig, its file says where arm, lamps and camera are; look it over first with gonio rig
+    check. Ctrl-C stops arms and lamps in order.
+
     A capture that was stopped, however it was, goes on with --resume: frames that are
-    there with the content the journal vouches for are not taken again.
+    there with the content the journal vouches for are not taken again. With --retake, shots that
+    a check of gonio reduce flagged are.
 
     \b
     Examples:
         gonio capture --sim
         gonio capture --sim --material brushed-metal -o metal/
+        gonio capture --sim --imperfections mild --calibration calibration/
         gonio capture --sim --resume
+        gonio capture --sim --rehearse --plan all.json -o rehearsal/
         gonio capture --sim --adaptive --until 0.1 --max-shots 200
+        gonio capture --rig rig.toml -o leather/ --sample "calf leather"
+        gonio capture --resume -o leather/
+        gonio capture --retake -o leather/
     """  # noqa: D301
+    from gonio.capture.retake import flagged
     from gonio.cli._adaptive import Wish, measure_adaptively
-    from gonio.errors import BadInputError
+    from gonio.cli._begin import Carried, begun
+    from gonio.cli._calibration import asked_for
+    from gonio.cli._measure import NOT_NOTED, driven, measure
+    from gonio.cli._rehearsal import check_begun_so, check_shown_nothing
+    from gonio.cli._resume import refuse_notes, resumed
+    from gonio.cli._retake import without_suspects
 
     said = {"until": until, "batch": batch, "max_shots": max_shots, "hours": hours}
     wish = Wish.of(said, prior_path, adaptive=adaptive)
-    if not sim:
-        raise BadInputError(
-            "this version drives the simulated rig only; add --sim to measure with it"
-        )
+    resume = resume or retake
+    _check_options(sim=sim, resume=resume, rig_path=rig_path)
+    if rehearse:
+        check_shown_nothing(material, adaptive=adaptive)
+    faults = _faults(faults_path)
+    calibration = asked_for(calibration_path, max_age_days, resume=resume)
     if resume:
-        _refuse_notes()
-        session, settings = _resumed(output, plan_path, rig_path, material, seed)
+        refuse_notes()
+        asked = (material, seed, imperfections)
+        session, twin = resumed(output, plan_path, rig_path, asked, sim=sim)
+        if rehearse:
+            check_begun_so(session)
         goal = wish.going_on(session)
+        if retake:
+            flagged(session)  # one without checks is refused before anything moves
     else:
+        carried = Carried.of(material, seed, imperfections) if sim else None
         notes = {
-            "sample": sample or f"{Path(material or _MATERIAL).stem} (simulated)",
+            "sample": sample or (carried.described if carried else NOT_NOTED),
             "orientation": orientation,
             "mounting": mounting,
             "operator": operator,
             "temperature_c": temperature_c,
+            "rehearsal": bool(rehearse),
         }
         goal = wish.goal()
-        session, settings = _created(output, plan_path, rig_path, material, seed, notes, goal)
+        session = begun(output, plan_path, rig_path, carried, notes, goal, calibration)
+        twin = carried.settings if carried else None
+    rig = driven(session, twin, faults)
+    if retake:
+        rig = without_suspects(session, rig)
     if goal is None:
-        _measure(session, settings)
+        measure(session, rig)
     else:
-        measure_adaptively(session, settings, goal)
+        measure_adaptively(session, rig, goal)
 
 
-def _refuse_notes() -> None:
-    """Refuse notes on a resume, which keeps those that the session was begun with."""
-    from gonio.errors import ResumeRefusedError
+def _check_options(*, sim: bool, resume: bool, rig_path: Path | None) -> None:
+    """Refuse options of the twin without it, and a real rig that nobody has named."""
+    from gonio.errors import BadInputError
 
     context = click.get_current_context()
-    for name, option in _NOTES.items():
-        if context.get_parameter_source(name) == ParameterSource.COMMANDLINE:
-            raise ResumeRefusedError(
-                f"{option}: the notes are those that the session was begun with; leave it out"
-            )
+    for name, option in _OF_THE_TWIN.items():
+        if not sim and context.params[name] is not None:
+            raise BadInputError(f"{option} is an option of --sim; add that, or leave it out")
+    if not (sim or resume or rig_path):
+        raise BadInputError(
+            "which rig? give its file with --rig, or add --sim to measure on the simulated one"
+        )
 
 
-def _resumed(
-    root: Path,
-    plan_path: Path | None,
-    rig_path: Path | None,
-    material: str | None,
-    seed: int | None,
-) -> tuple[Session, TwinSettings]:
-    from gonio.cli._twin import recall
-    from gonio.plan import Plan
-    from gonio.rig import load_rig
-    from gonio.session import Session
+def _faults(path: Path | None) -> tuple[Fault, ...]:
+    from sim.faults import load_faults
 
-    session = Session.open(root)
-    plan = Plan.load(plan_path) if plan_path else None
-    if plan is not None and plan.parent is not None and plan not in session.chain().plans:
-        with session.lock():
-            session.add_plan(plan, plan_path)
-    session.check_same(plan, load_rig(rig_path) if rig_path else None)
-    return session, recall(session, material, seed)
-
-
-def _created(
-    root: Path,
-    plan_path: Path | None,
-    rig_path: Path | None,
-    material: str | None,
-    seed: int | None,
-    said: dict[str, Any],
-    goal: Goal | None,
-) -> tuple[Session, TwinSettings]:
-    from gonio.capture import check_reach, check_space
-    from gonio.cli._adaptive import check_affordable, note_goal
-    from gonio.cli._twin import TwinSettings, remember
-    from gonio.creation import create_session
-    from gonio.materials import reference_material
-    from gonio.notes import Notes
-    from gonio.rig import default_rig, default_rig_text, load_rig
-    from gonio.validation import check
-    from sim.materials import load_material
-
-    rig = load_rig(rig_path) if rig_path else default_rig()
-    rig_text = rig_path.read_text(encoding="utf-8") if rig_path else default_rig_text()
-    notes = check(Notes, said, Path("notes"), "correct the option of that name")
-    # what cannot be measured is refused before anything is written
-    carried = load_material(material or _MATERIAL)
-    reference_material(rig)
-    settings = TwinSettings.of(material or _MATERIAL, seed or 0)
-    plan = _plan_for(plan_path, rig, rig_path, goal)
-    check_reach(plan.shots, rig)
-    remedy = "free some space or choose another folder with -o"
-    check_space(root, plan.estimates.frames, rig, remedy)
-    if goal:
-        check_affordable(plan, goal)
-
-    def furnish(session: Session) -> None:
-        remember(session, settings, carried)
-        if goal:
-            note_goal(session, goal)
-
-    return create_session(root, plan, rig_text, notes, furnish), settings
-
-
-def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None, goal: Goal | None) -> Plan:
-    """Return the plan asked for, or plan.json, or a fresh one: `sixth`, or few pairs to begin."""
-    from gonio.cli._adaptive import first_shots
-    from gonio.cli._prior import material_prior, with_prior
-    from gonio.cli._timing import timing_for
-    from gonio.plan import Plan
-    from planner.make import make_plan
-
-    found = path or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
-    if found is not None:
-        return Plan.load(found)
-    shots = first_shots(goal) if goal else None
-    what = f"begins with {shots} pairs" if shots else "measures density sixth"
-    click.echo(f"no plan.json here, so this {what} (see gonio plan --help)")
-    timing = timing_for(rig, rig_path, None)
-    prior = material_prior(goal.prior_path if goal else None)
-    plan = make_plan(
-        rig,
-        criterion="i-optimal",
-        shots=shots,
-        prior=lambda: prior,
-        timing=timing,
-        bracket="predicted" if timing else "all",
-    )
-    return with_prior(plan, prior)
-
-
-def _measure(session: Session, settings: TwinSettings) -> None:
-    from gonio.capture import Capture
-    from gonio.cli._console import progress_bar
-    from gonio.cli._twin import simulated
-
-    began = time.perf_counter()
-    with (
-        session.lock(),
-        session.journal(writing=True) as journal,
-        simulated(session, settings) as (instrument, operator),
-        progress_bar("capturing") as progress,
-    ):
-        start_s = instrument.clock.now()
-        frames = Capture(session, instrument, operator, journal).run(progress)
-        took_s = instrument.clock.now() - start_s
-        if frames:
-            before = session.timings().get("capture", 0.0)
-            session.note_timing("capture", before + time.perf_counter() - began)
-    _report(session, settings, frames, took_s)
-
-
-def _report(session: Session, settings: TwinSettings, frames: int, took_s: float) -> None:
-    from gonio.cli._console import console
-    from gonio.score import score_of
-    from gonio.words import duration
-
-    if not frames:
-        console.print(f"{session.root}: nothing left to take; the session is complete")
-        return
-    chain, name = session.chain(), Path(settings.material).stem
-    console.print(
-        f"{session.root}: {frames} frames of {name} in {duration(took_s)} of rig time "
-        f"(whole plan estimated at {duration(chain.estimated_s)})"
-    )
-    score = score_of(session) if len(chain.plans) == 1 else None
-    if score is not None:
-        console.print(f"that is {score.sentence}")
-    console.print(f"next: gonio reconstruct {session.root}")
+    return () if path is None else load_faults(path)

@@ -33,7 +33,7 @@ def command(output: Path | None) -> None:
     from gonio.cli._console import console
 
     console.print(_table(pictures=console.color_system is not None))
-    console.print("A measured table works as well: --material PATH.npz")
+    console.print("A file works as well: --material table.npz, or one that gonio import reads")
     if output is not None:
         _draw(output)
         console.print(f"wrote {output}")

@@ -200,12 +200,16 @@ def _reduced(session: Session) -> Samples:
 
 
 def _fit(recipe: Estimator, samples: Samples, folder: Path, page: Path) -> float:
-    from gonio.cli._console import progress_bar
+    from gonio.cli._console import console, progress_bar
     from gonio.files import remove_file
+    from gonio.words import several
 
+    trusted = samples.trusted()
+    if suspect := len(samples) - len(trusted):
+        console.print(f"{several(suspect, 'suspect shot')} left out (gonio capture --retake)")
     began = time.perf_counter()
     with progress_bar("training") as progress:
-        estimate = recipe.fit(samples, progress)
+        estimate = recipe.fit(trusted, progress)
     # a page tells of the model beside it or is not there, even if this is killed before the next
     remove_file(page)
     estimate.save(folder)
@@ -216,7 +220,7 @@ def _trial(samples: Samples, session: Session | None) -> Trial:
     from gonio.report import truth_of
     from nnbrdf.compare import Trial
 
-    return Trial.of(samples, truth_of(session))
+    return Trial.of(samples, truth_of(session, samples.color_space))
 
 
 def _compare(recipe: Estimator, trial: Trial, folder: Path) -> None:

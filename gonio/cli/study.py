@@ -14,6 +14,7 @@ STUDIES = {
     "shots": "Error against the number of shots, beside published methods.",
     "targets": "What the paper leaves unsaid: steps, scale of the targets, white.",
     "stability": "Stiff and extreme trainings: what happens, measured.",
+    "dynamics": "The arm's physics: error against run time, and extreme cases held to bounds.",
 }
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
+    from matplotlib.figure import Figure
     from matplotlib.projections.polar import PolarAxes
     from numpy.typing import NDArray
 
@@ -24,7 +25,29 @@ _COLORS = "Blues"
 
 
 def save_demand(path: Path, light: Array, view: Array, weight: Array) -> None:
-    """Write a PNG of the demand for pairs of directions.
+    """Write a PNG of `draw_demand`.
+
+    Parameters
+    ----------
+    path
+        The file, replaced if there.
+
+    Raises
+    ------
+    gonio.errors.StorageError
+        When it cannot be written.
+    """
+    from gonio.files import write_with
+
+    figure = draw_demand(light, view, weight)
+    write_with(
+        path,
+        lambda aside: figure.savefig(aside, format="png", dpi=120, metadata={"Software": None}),
+    )
+
+
+def draw_demand(light: Array, view: Array, weight: Array) -> Figure:
+    """Draw the demand for pairs of directions.
 
     Left and middle: where the light is and where the eye is, seen against the sample's normal, the
     marked edge to the right, as density per solid angle. Right: over the angle of the half vector
@@ -32,21 +55,12 @@ def save_demand(path: Path, light: Array, view: Array, weight: Array) -> None:
 
     Parameters
     ----------
-    path
-        The file, replaced if there.
     light, view
         Unit vectors, shape (n, 3).
     weight
         How much each pair counts, shape (n,).
-
-    Raises
-    ------
-    gonio.errors.StorageError
-        When it cannot be written.
     """
     from matplotlib.figure import Figure
-
-    from gonio.files import write_with
 
     figure = Figure(figsize=(12.6, 4.6), layout="constrained")
     for place, (title, each) in enumerate({"light": light, "eye": view}.items(), start=1):
@@ -58,10 +72,7 @@ def save_demand(path: Path, light: Array, view: Array, weight: Array) -> None:
     bar.set_ticks((0.0, 0.25, 1.0), labels=("none", "a quarter", "most"))
     bar.ax.tick_params(labelsize="x-small", colors="0.4")
     bar.outline.set_visible(False)
-    write_with(
-        path,
-        lambda aside: figure.savefig(aside, format="png", dpi=120, metadata={"Software": None}),
-    )
+    return figure
 
 
 def _draw_side(axes: PolarAxes, direction: Array, weight: Array, title: str) -> None:
@@ -97,4 +108,7 @@ def _draw_share(axes: Axes, columns: Array, rows: Array, share: Array) -> QuadMe
     from matplotlib.colors import PowerNorm
 
     color = PowerNorm(0.5, 0.0, 1.0)
-    return axes.pcolormesh(columns, rows, share / share.max(), cmap=_COLORS, norm=color)
+    # thousands of cells would be large as paths in a page
+    return axes.pcolormesh(
+        columns, rows, share / share.max(), cmap=_COLORS, norm=color, rasterized=True
+    )

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from gonio.color import InSpace
 from gonio.materials import MeasuredTable
 from gonio.report import chosen, errors, maps, slices
 from gonio.report.figures import inline_svg, page_style
+from gonio.report.screen import Screen
 from gonio.report.spheres import sphere_uri
 
 if TYPE_CHECKING:
@@ -51,12 +53,12 @@ def draw_all(
     """Draw everything that is known of a model; without the truth, what needs none."""
     from nnbrdf.load import load_model
 
-    estimate = load_model(model)
+    estimate, screen = load_model(model), Screen.of(samples.color_space)
     with page_style():
         return Drawings(
-            spheres=_spheres(estimate, truth),
-            measured=list(_measured(samples, chain)),
-            material=list(_material(estimate, truth)),
+            spheres=_spheres(estimate, truth, screen),
+            measured=list(_measured(samples, chain, screen)),
+            material=list(_material(estimate, truth, screen)),
             planes=list(_planes(estimate, truth, samples)),
             errors=list(_errors(model, estimate, truth, samples)),
         )
@@ -67,23 +69,27 @@ def _drawing(title: str, figure: Figure, caption: str) -> Drawing:
     return Drawing(title, inline_svg(figure, name, f"{title}: {caption}"), caption)
 
 
-def _spheres(estimate: Model, truth: MeasuredTable | None) -> dict[str, str]:
+def _spheres(estimate: Model, truth: MeasuredTable | None, screen: Screen) -> dict[str, str]:
     white = estimate.card.white if truth is None else truth.white
-    known = {"reconstruction": _quick(estimate), "truth": truth}
-    return {name: sphere_uri(each, white) for name, each in known.items() if each is not None}
+    known = {"reconstruction": quick_to_evaluate(estimate), "truth": truth}
+    return {
+        name: sphere_uri(InSpace(each, screen.matrix), white)
+        for name, each in known.items()
+        if each is not None
+    }
 
 
-def _quick(estimate: Model) -> Material:
+def quick_to_evaluate(material: Material) -> Material:
     """Return what a picture of half a million pairs may be made of in a second or two."""
     from nnbrdf.posterior_model import PosteriorBRDF
 
-    if isinstance(estimate, PosteriorBRDF):
+    if isinstance(material, PosteriorBRDF):
         # minutes otherwise, and the picture is no larger than its grid is fine
-        return MeasuredTable(estimate.grid()["values"].astype(np.float64), estimate.card.white)
-    return estimate
+        return MeasuredTable(material.grid()["values"].astype(np.float64), material.card.white)
+    return material
 
 
-def _measured(samples: Samples, chain: Sequence[Plan]) -> Iterator[Drawing]:
+def _measured(samples: Samples, chain: Sequence[Plan], screen: Screen) -> Iterator[Drawing]:
     candidates = chosen.candidates_of(chain)
     for side in ("view", "light"):
         directions = chosen.planned(chain, side) if chain else chosen.measured(samples, side)
@@ -95,7 +101,7 @@ def _measured(samples: Samples, chain: Sequence[Plan]) -> Iterator[Drawing]:
         )
     yield _drawing(
         "Measured pairs",
-        maps.draw_map(maps.measured_map(samples), samples.white),
+        maps.draw_map(screen.shown(maps.measured_map(samples)), samples.white),
         "Each sample in its color, at the nearest pair of the 81 x 81 grid; white is "
         f"{samples.white:.3g} 1/sr.",
     )
@@ -107,19 +113,20 @@ def _of(count: int, candidates: int) -> str:
     return f"{count} chosen of {candidates} (filled), {candidates - count} skipped (open)"
 
 
-def _material(estimate: Model, truth: MeasuredTable | None) -> Iterator[Drawing]:
+def _material(estimate: Model, truth: MeasuredTable | None, screen: Screen) -> Iterator[Drawing]:
     grid = {name: array.astype(np.float64) for name, array in estimate.grid().items()}
     white = estimate.card.white if truth is None else truth.white
-    exposed = f"White is {white:.3g} 1/sr, then sRGB."
-    yield _drawing("Reconstruction", maps.draw_map(grid["values"], white), exposed)
+    exposed = f"White is {white:.3g} 1/sr, then {screen.words}."
+    yield _drawing("Reconstruction", maps.draw_map(screen.shown(grid["values"]), white), exposed)
     if truth is not None:
-        yield _drawing("Truth", maps.draw_map(truth.values, white), exposed)
+        yield _drawing("Truth", maps.draw_map(screen.shown(truth.values), white), exposed)
         difference = np.abs(grid["values"].clip(max=white) - truth.values.clip(max=white))
         factor = maps.enlargement(difference, white)
         yield _drawing(
             f"Difference × {factor}",
             maps.draw_map(factor * difference, white),
-            f"Absolute, both clipped at white as eps8 does, enlarged {factor} times.",
+            f"Absolute, channel by channel, both clipped at white as eps8 does, enlarged {factor} "
+            "times.",
         )
     yield _drawing(
         "Uncertainty",

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from gonio.capture.usage import Usage, usages_of
+from gonio.checks import Checks
+from gonio.faultlog import faults_of, spoken
 from gonio.files import write_bytes
+from gonio.report.budget import parts_of
 from gonio.report.summary import summarize
 from gonio.report.truth import truth_of
 from gonio.samples import Flag
@@ -13,6 +17,7 @@ from gonio.score import score_of
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from gonio.checks import Check
     from gonio.materials import MeasuredTable
     from gonio.report.summary import Summary
     from gonio.samples import Samples
@@ -26,6 +31,7 @@ _MEANINGS = {
     Flag.FAINT: "not above its own noise",
     Flag.FEW_PIXELS: "the patch held fewer than eight pixels of this channel",
     Flag.NO_SIGMA: "its source stated no sigma",
+    Flag.SUSPECT: "a check of its shot failed",
 }
 
 
@@ -53,7 +59,7 @@ def write_report(
     gonio.errors.StorageError
         When the page cannot be written.
     """
-    truth = truth_of(session)
+    truth = truth_of(session, samples.color_space)
     summary = summarize(model, samples, truth)
     page = _render(summary, model, samples, session, truth)
     # a name with half a surrogate pair is no UTF-8, and no reason to fail either
@@ -89,6 +95,8 @@ def _render(
         "next_pairs": next_pairs(estimate.grid(), estimate.card.white),
         "samples": samples,
         "flags": _flag_counts(samples),
+        "sigma_parts": parts_of(samples),
+        "checks": _checks(session),
         "notes": session.notes() if session else None,
         "plans": chain,
         "ending": provenance.ending_of(session),
@@ -96,6 +104,8 @@ def _render(
         "simulated": session is not None and session.sim.is_dir(),
         "measured_on": provenance.measured_on(session),
         "score": score_of(session) if session else None,
+        "faults": _faults(session),
+        "usage": _usage(session),
         "versions": provenance.versions(),
         "hashes": provenance.hashes(model, samples, session),
         "drawn": draw_all(model, samples, chain, truth),
@@ -110,6 +120,30 @@ def _albedos(estimate: Model) -> list[Albedo]:
     from nnbrdf.posterior_model import PosteriorBRDF
 
     return [] if isinstance(estimate, PosteriorBRDF) else directional_albedo(estimate)
+
+
+def _checks(session: Session | None) -> tuple[Check, ...]:
+    """Return what the reduction thought of the frames; nothing where it was not asked."""
+    if session is None or not session.checks_path.is_file():
+        return ()
+    return Checks.load(session.checks_path).checks
+
+
+def _faults(session: Session | None) -> str:
+    """Return the faults that the capture met, in words; empty where it met none."""
+    if session is None or not session.journal_path.is_file():
+        return ""
+    with session.journal() as journal:
+        return spoken(faults_of(journal))
+
+
+def _usage(session: Session | None) -> str:
+    """Return what the rig's time went into, in words; empty where that is not known."""
+    if session is None or not session.journal_path.is_file():
+        return ""
+    with session.journal() as journal:
+        runs = usages_of(journal)
+    return Usage.sum(runs).sentence if runs else ""
 
 
 def _timings(session: Session | None) -> dict[str, float]:

@@ -30,7 +30,7 @@ def cards(plan: Plan) -> Iterator[tuple[str, str, str]]:
     yield "time", duration(estimates.total_s), _interval(estimates)
     yield "storage", size(estimates.storage_bytes), f"in {estimates.frames} frames"
     if selection.variance_left is not None:
-        yield "left unknown", f"{selection.variance_left:.2%}", "of the prior's variance"
+        yield "left unknown", f"{selection.variance_left:.2%}", selection.variance_of
 
 
 def parts(estimates: Estimates) -> Iterator[tuple[str, float, str]]:
@@ -49,9 +49,9 @@ def ends_s(estimates: Estimates) -> tuple[float, float] | None:
 
 def _interval(estimates: Estimates) -> str:
     ends = ends_s(estimates)
-    return (
-        f"{duration(ends[0])} to {duration(ends[1])}" if ends else "homing and calibration included"
-    )
+    if ends is None:
+        return "homing and calibration included"
+    return f"+- {duration((ends[1] - ends[0]) / 2)} (5 to 95 %)"
 
 
 def facts(plan: Plan) -> Iterator[tuple[str, str]]:
@@ -69,8 +69,14 @@ def spared_rows(left_out: LeftOut) -> Iterator[tuple[str, str]]:
     if left_out.spared_shots is None:
         return
     seconds = 60 * (left_out.spared_min or 0.0)
-    time = duration(seconds) if seconds >= 0 else f"-{duration(-seconds)}"
-    yield "spares", f"{left_out.spared_shots} shots, {time}"
+    shots, time = several(abs(left_out.spared_shots), "shot"), duration(abs(seconds))
+    if not left_out.spared_shots:
+        yield "spares" if seconds >= 0 else "costs", time
+    elif (left_out.spared_shots < 0) == (seconds < 0):
+        yield "costs" if seconds < 0 else "spares", f"{shots}, {time}"
+    else:
+        more, less = (time, shots) if seconds < 0 else (shots, time)
+        yield "spares", f"{less}, and costs {more}"
     if left_out.error_inside is not None:
         elsewhere = left_out.error_outside
         there = "" if elsewhere is None else f", {elsewhere:+.4f} elsewhere"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from gonio.files import write_bytes
 from gonio.report import plan_drawings as draw
+from gonio.report.demand import draw_demand
 from gonio.report.drawings import Drawing
 from gonio.report.figures import inline_svg, page_style
 from gonio.report.plan_facts import cards, ends_s, facts, parts, spared_rows
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from gonio.report.planned import Directions
     from gonio.rig import Rig
     from planner.candidates import Candidates
+    from planner.scene.pairs import LocalPairs
 
 _SEEN = "Against the sample's normal; φ counts counter-clockwise from the marked edge."
 
@@ -35,6 +37,7 @@ def write_plan_page(
     lights: Candidates,
     views: Candidates,
     refused: Mapping[str, NDArray[np.bool_]] | None = None,
+    asked: LocalPairs | None = None,
 ) -> None:
     """Write the page of a plan, self-contained; the same plan gives the same bytes.
 
@@ -51,6 +54,8 @@ def write_plan_page(
     refused
         Which pairs the rig cannot take, by reason as the plan states it, shape (lights, views)
         each.
+    asked
+        What the scene asks for, where the plan was made for one.
 
     Raises
     ------
@@ -72,7 +77,7 @@ def write_plan_page(
         cards=list(cards(plan)),
         parts=of_time,
         longest=max(seconds for _, seconds, _ in of_time) or 1.0,
-        drawn=_drawn(plan, planned),
+        drawn=_drawn(plan, planned, asked),
         colors=draw.TIME_COLORS,
         left_out=list(_left_out(plan, refused)),
         facts=list(facts(plan)),
@@ -80,7 +85,9 @@ def write_plan_page(
     write_bytes(target, page.encode("utf-8", "backslashreplace"))
 
 
-def _drawn(plan: Plan, planned: Planned) -> dict[str, Drawing | list[Drawing]]:
+def _drawn(
+    plan: Plan, planned: Planned, asked: LocalPairs | None
+) -> dict[str, Drawing | list[Drawing]]:
     sides = {"Lights": planned.light, "Views": planned.view}
     with page_style():
         return {
@@ -102,12 +109,20 @@ def _drawn(plan: Plan, planned: Planned) -> dict[str, Drawing | list[Drawing]]:
                 draw.draw_pairs(planned),
                 "A row a light, a column a view, in the order of the candidates.",
             ),
+            "demand": [] if asked is None else [_demand(asked)],
         }
 
 
 def _drawing(title: str, figure: Figure, caption: str) -> Drawing:
     name = "-".join(title.lower().split())
     return Drawing(title, inline_svg(figure, name, f"{title}: {caption}"), caption)
+
+
+def _demand(asked: LocalPairs) -> Drawing:
+    figure = draw_demand(asked.light, asked.view, asked.weight)
+    return _drawing(
+        "Demand of the scene", figure, f"{several(len(asked.weight), 'sample')}. {_SEEN}"
+    )
 
 
 def _counts(side: Directions) -> str:

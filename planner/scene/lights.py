@@ -5,7 +5,7 @@ A strength is the irradiance on a surface that faces the light, relative to that
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -39,7 +39,6 @@ class Arriving(NamedTuple):
 
 
 class _Light(Document):
-    DIMENSIONS: ClassVar[int] = 2
     weight: Weight = 1.0
 
     def arriving(self, random: Array, point: Array) -> Arriving:

@@ -16,7 +16,7 @@ from planner.information import Unknown
 from planner.locate import rows_of
 from planner.optimal import unknown_of
 from planner.scene.expected import Expected, expected_error
-from planner.scene.use import NOT_ASKED, SAME_AZIMUTH
+from planner.scene.use import NOT_ASKED, SAME_AZIMUTH, Use
 from planner.search import Measure, best_pairs
 
 if TYPE_CHECKING:
@@ -28,12 +28,14 @@ if TYPE_CHECKING:
     from gonio.protocols import Prior, PriorKind
     from planner.candidates import Candidates
     from planner.field import Field
-    from planner.scene.use import Omission, Use
+    from planner.scene.use import Omission
 
 IN_COLOR = (
-    "shots for color: the camera takes all of it in one frame, so the rig saves nothing; only "
-    "reconstruction has less to do"
+    "shots for color: the camera takes all of it in one frame, under all lamps at once, so the rig "
+    "saves nothing; only reconstruction has less to do"
 )
+
+FREELY = "by choosing pairs freely, rather than all of some views and lights"
 
 _GAIN = Measure(Unknown.gains, Unknown.block_gains)
 
@@ -46,10 +48,11 @@ class Maker(Protocol):
         *,
         prior: Callable[[], Prior],
         shots: int | None,
+        hours: float | None,
         demand: Callable[[Candidates, Candidates], NDArray[np.float64]] | None = None,
         leave_out: Mapping[str, Omission] | None = None,
     ) -> Plan:
-        """Make it of some shots, or, of None, of as many views and lights as is settled."""
+        """Make it of some shots or for some hours, or of the views and lights that are settled."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +62,20 @@ class Wanted:
     Attributes
     ----------
     shots
-        So many pairs, chosen freely; None: the views and lights that the maker has settled.
+        So many pairs, chosen freely.
+    hours
+        As many pairs as can be had in so many hours. With neither, the views and lights that the
+        maker has settled.
     fewest
         Rather as few pairs as keep what the plan without a scene is expected to know of the demand.
+    least
+        Not fewer than that, so that something can be made of them.
     """
 
     shots: int | None = None
+    hours: float | None = None
     fewest: bool = False
+    least: int = 1
 
 
 def plan_for_use(
@@ -77,8 +87,9 @@ def plan_for_use(
 ) -> Plan:
     """Make a plan for a use; its `left_out` says what each omission spares.
 
-    Each omission is told beside the plan before it: first one that knows of no scene, then one
-    that leaves out what the scene does not ask for, then one that leaves out azimuths.
+    Each omission is told beside the plan before it: first one that knows of no scene, then, where
+    as few pairs as can be are wanted, one of such pairs, then one that leaves out what the scene
+    does not ask for, then one that leaves out azimuths.
 
     Parameters
     ----------
@@ -102,27 +113,36 @@ def plan_for_use(
     whole = field_of({})
     remembered = RememberedPrior(prior, rank_for(whole))
     judge = _Judge.of(use, whole, remembered)
-    last = judge.step(make(prior=lambda: remembered, shots=wanted.shots))
+    last = judge.step(make(prior=lambda: remembered, shots=wanted.shots, hours=wanted.hours))
     most, target = len(last.plan.shots), last.expected.inside
     spared = {}
-    for reason, part in _parts(use):
+    for reason, part in _parts(use, wanted):
         belief = IsotropicOnly(remembered) if part.isotropic else remembered
         omissions = part.omissions()
         shots = wanted.shots
         if wanted.fewest:
             field = replace(field_of(omissions), demand=part.demand(judge.lights, judge.views))
             shots = judge.fewest(field, belief, target, most)
+            shots = max(shots, min(wanted.least, int(field.allowed.sum())))
         plan = make(
             prior=lambda belief=belief: belief,  # type: ignore[misc]
             shots=shots,
+            hours=wanted.hours,
             demand=part.demand,
             leave_out=omissions,
         )
         step = judge.step(plan)
         spared[reason] = _difference(last, step)
         last = step
-    rows = (row.model_copy(update=spared.get(row.reason, {})) for row in last.plan.left_out)
-    return last.plan.model_copy(update={"left_out": tuple(rows)})
+    return _telling(last.plan, spared)
+
+
+def _telling(plan: Plan, spared: Mapping[str, dict[str, float | int | None]]) -> Plan:
+    """Return the plan that says what was spared, by reason."""
+    rows = [row.model_copy(update=spared.get(row.reason, {})) for row in plan.left_out]
+    if FREELY in spared:
+        rows.insert(0, LeftOut.model_validate({"reason": FREELY, "shots": 0, **spared[FREELY]}))
+    return plan.model_copy(update={"left_out": tuple(rows)})
 
 
 def _check_count(wanted: Wanted, field: Field) -> None:
@@ -189,8 +209,10 @@ class _Judge:
         return expected_error(self.kinds, measured, self.demand, self.asked)
 
 
-def _parts(use: Use) -> Iterator[tuple[str, Use]]:
+def _parts(use: Use, wanted: Wanted) -> Iterator[tuple[str, Use]]:
     """Yield the use as it grows, each time with the reason that is new."""
+    if wanted.fewest:
+        yield FREELY, Use()
     if use.pairs is not None:
         yield NOT_ASKED, replace(use, isotropic=False)
     if use.isotropic:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -40,7 +40,6 @@ class _Surface(Document):
     by so much in all about the vertical through the origin, as on a turntable.
     """
 
-    DIMENSIONS: ClassVar[int] = 5
     tilt_deg: Annotated[float, within(0, 180)]
     azimuth_deg: Turn = 180.0
     grain_deg: Turn = 0.0

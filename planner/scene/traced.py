@@ -141,7 +141,7 @@ class _Tracer:
         if ours:
             light, view = np.array(local), np.array(hit.wi)
             cosine = abs(light[2]) if light[2] * view[2] > 0 else 0.0
-            weight = through * np.array(arriving) * cosine
+            weight = through * np.array(arriving) * cosine * _REFLECTANCE / np.pi
             met = [*met, (light, view)]
         else:
             from mitsuba import BSDFContext

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -35,7 +35,6 @@ class Seen(NamedTuple):
 
 
 class _Viewer(Document):
-    DIMENSIONS: ClassVar[int] = 3
     weight: Weight = 1.0
 
     def seen(self, random: Array, point: Array) -> Seen:

@@ -12,6 +12,7 @@ from gonio.clearance import check_pose, limits_of, not_free, required_angle
 from gonio.directions import from_degrees
 from gonio.errors import BadInputError
 from gonio.rig import KeepOut, Rig, default_rig
+from gonio.swept import leg_blocked
 
 RIG = default_rig()
 BOX = {"min_mm": (500, 500, 200), "max_mm": (700, 800, 900)}
@@ -173,3 +174,24 @@ def test_a_box_at_the_sample_is_refused(low, high):
 )
 def test_a_table_below_or_a_box_further_out_is_none_of_these(low, high):
     KeepOut(min_mm=low, max_mm=high)
+
+
+def test_arms_without_a_width_keep_out_of_boxes_too():
+    data = default_rig().model_dump()
+    box = {"min_mm": (300.0, -300.0, 100.0), "max_mm": (900.0, 300.0, 1500.0)}
+    data["arm"] |= {"arm_width_mm": 0.0, "lamp_width_mm": 0.0, "keep_out": [box]}
+    rig = Rig.model_validate(data)
+    through = [[45.0, 0.0, 30.0, 180.0]]
+    assert any(short[0] for short in not_free(through, rig).values())
+
+
+@pytest.mark.parametrize("tolerance", [0.03, 0.3, 10.0])
+def test_loose_encoders_open_no_box(tolerance):
+    data = default_rig().model_dump()
+    box = {"min_mm": (300.0, -300.0, 100.0), "max_mm": (900.0, 300.0, 1500.0)}
+    data["arm"] |= {"keep_out": [box]}
+    for axis in data["axis"].values():
+        axis["in_position_deg"] = tolerance
+    rig = Rig.model_validate(data)
+    outside, inside = np.array([[45.0, 90.0, 30.0, 180.0]]), np.array([[45.0, 0.0, 30.0, 180.0]])
+    assert leg_blocked(outside, inside, rig)[0]

@@ -67,7 +67,7 @@ def test_the_version(gonio):
 
 @pytest.mark.parametrize("name", list(_main.COMMANDS))
 def test_every_command_teaches_with_an_example(name):
-    command = import_module(f"gonio.cli.{name}").command
+    command = _main.cli.get_command(click.Context(_main.cli), name)
     text = command.get_help(click.Context(command, info_name=f"gonio {name}"))
     assert "Examples:" in text
     assert f"    gonio {name}" in text

@@ -1,3 +1,4 @@
+import contextlib
 import json
 import sqlite3
 import subprocess
@@ -106,8 +107,19 @@ def test_a_journal_that_is_missing_or_none(tmp_path):
         with pytest.raises(BadFileError, match="is not a journal"):
             Journal(tmp_path / "j", writing=writing)
     (tmp_path / "j").write_bytes(b"")
-    with pytest.raises(BadFileError, match="holds no events yet; resume the capture"):
-        Journal(tmp_path / "j")
+    with Journal(tmp_path / "j") as journal:
+        assert list(journal.events()) == []  # a capture that ended before its first event
+
+
+@pytest.mark.parametrize("change", ["DELETE FROM event", "UPDATE event SET kind = 'x'"])
+def test_the_journal_only_grows(tmp_path, change):
+    with Journal(tmp_path / "j", writing=True) as journal:
+        journal.append(VirtualClock(), "begun")
+    with (
+        sqlite3.connect(tmp_path / "j") as other,
+        pytest.raises(sqlite3.IntegrityError, match="append-only"),
+    ):
+        other.execute(change)
 
 
 DAMAGE = {
@@ -125,17 +137,117 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize(("change", "says"), DAMAGE.values(), ids=DAMAGE)
-def test_a_damaged_record_is_named(tmp_path, change, says):
+def test_a_damaged_record_is_named(tmp_path, tampered, change, says):
     with Journal(tmp_path / "j", writing=True) as journal:
         journal.append(VirtualClock(), "begun")
         journal.append_frame(VirtualClock(), FRAME)
-        journal._connection.execute(f"UPDATE event SET {change} WHERE id = 2")
+    tampered(tmp_path / "j", f"UPDATE event SET {change} WHERE id = 2")
     with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match=says) as caught:
         list(journal.events()), journal.frames()
     assert str(caught.value).startswith(f"{tmp_path}/j: ")
     assert str(caught.value).endswith(
         "; put a copy of the file back, or measure anew into another folder"
     )
+
+
+def write_events(path, count):
+    with Journal(path, writing=True) as journal:
+        for number in range(count):
+            journal.append(VirtualClock(float(number)), "shot", number=number)
+
+
+NOT_THE_ONE = "is not the one that was written there"
+TAMPERING = {
+    "a row edited": (["UPDATE event SET data = '{}' WHERE id = 3"], f"record 3 {NOT_THE_ONE}"),
+    "a time": (["UPDATE event SET at_s = at_s + 1 WHERE id = 3"], f"record 3 {NOT_THE_ONE}"),
+    "a hash": (["UPDATE event SET sha256 = 'ab' WHERE id = 3"], f"record 3 {NOT_THE_ONE}"),
+    "no hash": (["UPDATE event SET sha256 = NULL WHERE id = 3"], f"record 3 {NOT_THE_ONE}"),
+    "bytes": (["UPDATE event SET data = x'ff00' WHERE id = 3"], f"record 3 {NOT_THE_ONE}"),
+    "no text": (["UPDATE event SET kind = CAST(x'ff' AS TEXT) WHERE id = 3"], "is damaged"),
+    "a row removed": (["DELETE FROM event WHERE id = 3"], "record 3 is missing"),
+    "the first": (["DELETE FROM event WHERE id = 1"], "record 1 is missing"),
+    "the last": (["DELETE FROM event WHERE id = 5"], "record 5 is missing"),
+    "all": (["DELETE FROM event"], "record 1 is missing"),
+    "a row removed, the others moved up": (
+        ["DELETE FROM event WHERE id = 3", "UPDATE event SET id = id - 1 WHERE id > 3"],
+        f"record 3 {NOT_THE_ONE}",
+    ),
+    "two rows swapped": (
+        [f"UPDATE event SET id = {new} WHERE id = {old}" for old, new in ((2, 9), (4, 2), (9, 4))],
+        f"record 2 {NOT_THE_ONE}",
+    ),
+    "a row put in between": (
+        [
+            "UPDATE event SET id = id + 10 WHERE id > 2",
+            "UPDATE event SET id = id - 9 WHERE id > 10",
+            "INSERT INTO event SELECT 3, at_s, utc, kind, data, sha256 FROM event WHERE id = 2",
+        ],
+        f"record 3 {NOT_THE_ONE}",
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "says"), TAMPERING.values(), ids=TAMPERING)
+def test_tampering_with_the_journal_is_found_and_named(tmp_path, tampered, changes, says):
+    write_events(tmp_path / "j", 5)
+    with Journal(tmp_path / "j") as journal:
+        journal.check_chain()
+    for change in changes:
+        tampered(tmp_path / "j", change)
+    with Journal(tmp_path / "j") as journal, pytest.raises(BadFileError, match=says):
+        journal.check_chain()
+
+
+def test_a_removed_row_is_not_hidden_by_those_that_come_after(tmp_path, tampered):
+    write_events(tmp_path / "j", 3)
+    tampered(tmp_path / "j", "DELETE FROM event WHERE id = 3")
+    write_events(tmp_path / "j", 2)
+    with (
+        Journal(tmp_path / "j") as journal,
+        pytest.raises(BadFileError, match="record 3 is missing"),
+    ):
+        journal.check_chain()
+
+
+def test_two_who_take_turns_write_one_chain(tmp_path):
+    with Journal(tmp_path / "j", writing=True) as one:
+        one.append(VirtualClock(), "begun")
+        write_events(tmp_path / "j", 2)
+        one.append(VirtualClock(), "finished")
+    with Journal(tmp_path / "j") as journal:
+        journal.check_chain()
+
+
+@pytest.fixture
+def old_journal(tmp_path):
+    """Return a journal of before rows had hashes, with three events."""
+    with contextlib.closing(sqlite3.connect(tmp_path / "old", isolation_level=None)) as connection:
+        connection.execute(
+            "CREATE TABLE event (id INTEGER PRIMARY KEY AUTOINCREMENT, at_s REAL NOT NULL, "
+            "utc TEXT NOT NULL, kind TEXT NOT NULL, data TEXT NOT NULL)"
+        )
+        row = (1.0, "2000-01-01T00:00:01+00:00", "shot", "{}")
+        for _ in range(3):
+            connection.execute("INSERT INTO event (at_s, utc, kind, data) VALUES (?, ?, ?, ?)", row)
+    return tmp_path / "old"
+
+
+def test_a_journal_of_before_rows_had_hashes_is_read(old_journal):
+    before = old_journal.read_bytes()
+    with Journal(old_journal) as journal:
+        journal.check_chain()
+        assert [event.id for event in journal.events("shot")] == [1, 2, 3]
+    assert old_journal.read_bytes() == before
+
+
+def test_what_is_added_to_it_vouches_for_what_was_there(old_journal, tampered):
+    write_events(old_journal, 2)
+    with Journal(old_journal) as journal:
+        journal.check_chain()
+        assert [event.id for event in journal.events()] == [1, 2, 3, 4, 5]
+    tampered(old_journal, "UPDATE event SET at_s = 2.0 WHERE id = 1")
+    with Journal(old_journal) as journal, pytest.raises(BadFileError, match="record 4 is not"):
+        journal.check_chain()
 
 
 def test_a_rejection_without_its_file_is_named(tmp_path):
@@ -276,7 +388,9 @@ def test_a_plan_that_does_not_go_on_from_the_one_before(session, plan, says):
 
 def test_a_chain_with_a_gap(session):
     make_plan(PLAN.sha256, index=1).save(session.plans / "002.json")
-    with pytest.raises(BadFileError, match=r"001\.json: is missing, though 002\.json is there"):
+    with pytest.raises(
+        ResumeRefusedError, match=r"001\.json: is missing, though 002\.json is there"
+    ):
         session.chain()
 
 

@@ -11,7 +11,7 @@ WRONG = [
     ("missing table", "[holder]", "[holders]", "holder", "is missing"),
     ("missing axis", "[axis.light_phi]", "[axis.spare]", "axis.light_phi", "is missing"),
     ("unknown key", "[lamps]", "[lamps]\ncolour = 1", "lamps.colour", "is not a known key"),
-    ("word for number", "port = 502", 'port = "x"', "arm.port", "valid integer"),
+    ("word for number", "port = 502", 'port = "x"', "arm.port", "is no number"),
     ("port too high", "port = 502", "port = 70000", "arm.port", "out of range, 1 to 65535"),
     ("no host", 'host = "127.0.0.1"', "", "arm", "tcp needs host and port"),
     ("no device", '"tcp"', '"rtu"', "arm", "rtu needs device"),
@@ -35,6 +35,9 @@ WRONG = [
     ("exposure too long", "0.2, 2.0]", "0.2, 2e6]", "camera.exposures_s.3", "1e-06 to 300"),
     ("box turned", "keep_out = []", "keep_out = [{min_mm = [0, 0, 1], max_mm = [1, 1, 1]}]",
      "arm.keep_out.0", "below the same of max_mm"),
+    ("glare alone", "height = 160", "height = 160\nstray_light = 0.9", "camera.stray_light", "0.5"),
+    ("sigma below 0", "[holder]", "[uncertainty]\nangle_deg = -1\n[holder]",
+     "uncertainty.angle_deg", "out of range, 0 to 1"),
     ("reference too white", "reference = 0.99", "reference = 2.0", "holder.reference", "1.2"),
 ]  # fmt: skip
 
@@ -56,7 +59,11 @@ def test_the_hash_is_of_what_the_rig_is_not_of_how_it_is_written(tmp_path):
     path = tmp_path / "rig.toml"
     path.write_text("# mine\n" + TEXT.replace("2000.0", "2_000.00"))
     assert load_rig(path).sha256 == default_rig().sha256
+    path.write_text(TEXT + "[uncertainty]\nreference = 0.0\n")
+    assert load_rig(path).sha256 == default_rig().sha256
     path.write_text(TEXT.replace("502", "503"))
+    assert load_rig(path).sha256 != default_rig().sha256
+    path.write_text(TEXT + "[uncertainty]\nreference = 0.005\n")
     assert load_rig(path).sha256 != default_rig().sha256
 
 
@@ -126,3 +133,22 @@ def test_beyond_travel(degrees):
 def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path):
     (tmp_path / "rig.toml").write_bytes(b"\xef\xbb\xbf" + default_rig_text().encode())
     assert load_rig(tmp_path / "rig.toml") == default_rig()
+
+
+@pytest.mark.parametrize("value", ["true", '"20"'])
+def test_a_number_is_a_number(tmp_path, value):
+    text = default_rig_text().replace("max_velocity_deg_s = 20.0", f"max_velocity_deg_s = {value}")
+    (tmp_path / "rig.toml").write_text(text)
+    with pytest.raises(BadFileError, match=r"max_velocity_deg_s: .* is no number"):
+        load_rig(tmp_path / "rig.toml")
+
+
+@pytest.mark.parametrize(
+    "text", ['changer = "command"', 'changer = "manual"\nchanger_command = ["x"]']
+)
+def test_a_changer_and_its_command_go_together(tmp_path, text):
+    rig = default_rig_text().replace('changer = "manual"', text)
+    assert rig != default_rig_text()
+    (tmp_path / "rig.toml").write_text(rig)
+    with pytest.raises(BadFileError, match="go together"):
+        load_rig(tmp_path / "rig.toml")

@@ -234,3 +234,16 @@ def test_a_write_that_is_refused_leaves_the_old_file_and_no_noise(tmp_path, capf
     assert path.read_bytes() == old
     assert [p.name for p in tmp_path.iterdir()] == ["samples.nc"]
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(("suspect", "kept"), [([], [0, 1, 2, 3]), ([2], [0, 1, 3]),
+                                               ([0, 1], [0, 1, 2, 3])])  # fmt: skip
+def test_suspect_shots_are_left_out_unless_half_are(suspect, kept):
+    samples = some(4)
+    part = {"photon": samples.sigma / 2}
+    samples.flag[suspect] |= np.uint32(Flag.SUSPECT)
+    trusted = replace(samples, components=part).trusted()
+    assert trusted.shot_index.tolist() == kept
+    np.testing.assert_array_equal(trusted.value, samples.value[kept])
+    np.testing.assert_array_equal(trusted.components["photon"], part["photon"][kept])
+    trusted.check()

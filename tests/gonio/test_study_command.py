@@ -68,7 +68,16 @@ def test_studies_of_one_folder_leave_each_others_tables_alone(gonio, tmp_path):
 
 
 def test_the_page_says_how_it_was_made(gonio, tmp_path):
-    arguments = ("study", "activations", "satin", *QUICK, "--activations", "relu")
+    arguments = (
+        "study",
+        "activations",
+        "satin",
+        *QUICK,
+        "--activations",
+        "relu",
+        "--networks",
+        "4",
+    )
     assert gonio(*arguments).returncode == 0
     page = (tmp_path / "study" / "activations.html").read_text()
     notes = dict(re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", page))
@@ -80,7 +89,8 @@ def test_the_page_says_how_it_was_made(gonio, tmp_path):
 
 
 def test_what_is_wide_scrolls(gonio, tmp_path):
-    assert gonio("study", "activations", "satin", *QUICK, "--activations", "relu").returncode == 0
+    few = ("--activations", "relu", "--networks", "4")
+    assert gonio("study", "activations", "satin", *QUICK, *few).returncode == 0
     page = (tmp_path / "study" / "activations.html").read_text()
     for wide in ("<table>", "<svg "):
         assert page.count(wide) == len(re.findall(rf'<div class="scroll">\s*{wide}', page)) > 0
@@ -254,7 +264,32 @@ def test_stability_that_is_stopped_says_that_nothing_is_kept(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
+def test_dynamics(gonio, tmp_path):
+    ran = gonio("study", "dynamics", "--methods", "Exponential,LSODA", "--cases", "locked,work",
+                "--days", "0.05", "-o", "out")  # fmt: skip
+    assert ran.returncode == 0
+    bounds = lines(tmp_path / "out" / "dynamics-bounds.csv")
+    assert {row[""] for row in bounds} == {"pass"}
+    assert f"{len(bounds)} of {len(bounds)} bounds hold" in ran.stdout
+    errors = {}
+    for row in lines(tmp_path / "out" / "dynamics-race.csv"):
+        method, _ = row["method and tolerance"].split()
+        errors.setdefault(method, []).append(float(row["largest error (µrad)"]))
+    assert {method: each[0] > 1e3 * each[-1] for method, each in errors.items()} == {
+        "exponential": True,
+        "LSODA": True,
+    }
+    page = (tmp_path / "out" / "dynamics.html").read_text()
+    assert page.count("<svg") == 3
+    assert "1e-04 s electrical, 0.1 s mechanical, 1000 s thermal" in page
+    assert "gonio study dynamics --methods" in page
+
+
 BAD = {
+    "solver": (("dynamics", "--methods", "euler"), "use exponential, lsoda, radau, rk45"),
+    "case": (("dynamics", "--cases", "flood"), "use swing, step, locked"),
+    "dynamics folder": (("dynamics", "-o", "taken"), "taken is a file"),
     "activation": (("activations", "satin", "--activations", "silu"), "use linear, sigmoid"),
     "model": (("analytic", "satin", "--models", "disney"), "use lambert, minnaert"),
     "encoding": (("encodings", "satin", "--encodings", "abc"), "use "),

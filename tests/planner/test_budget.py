@@ -60,6 +60,26 @@ def test_the_time_is_kept_and_used(seed, seconds):
     assert all(cost.price([*priced.order, pair]).total_s > seconds for pair in left)
 
 
+def test_time_for_all_of_them_takes_all_without_a_search():
+    _, line, _ = case(7)
+    allowed, shot_s = np.arange(40) % 3 > 0, np.full(40, 2.0)
+    cost = terms(line, shot_s)
+    whole = cost.price(np.flatnonzero(allowed).tolist())
+    seconds = whole.total_s + 1e-9
+    assert pairs_within([], allowed, seconds, cost, _VARIANCE) == whole
+
+
+def test_the_time_used_is_told_as_it_is_used():
+    _, line, kind = case(7)
+    told = []
+    pairs_within(
+        [Unknown(kind)], np.ones(40, bool), 60, terms(line, np.full(40, 2.0)), _VARIANCE,
+        lambda done, total: told.append((done, total)),
+    )  # fmt: skip
+    assert {total for _, total in told} == {60}
+    assert 40 < max(done for done, _ in told) <= 60
+
+
 def test_more_time_leaves_less_unknown():
     _, line, kind = case(3)
     cost, left = terms(line, np.full(40, 2.0)), []

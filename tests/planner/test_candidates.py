@@ -105,6 +105,16 @@ def test_files_that_are_none(tmp_path, text, says):
         candidates_named(str(path))
 
 
+def test_what_never_ends_is_not_read(tmp_path):
+    (tmp_path / "endless.csv").symlink_to("/dev/zero")
+    with pytest.raises(BadInputError, match="no regular file"):
+        candidates_named(str(tmp_path / "endless.csv"))
+    with (tmp_path / "vast.csv").open("wb") as file:
+        file.truncate(10**12)
+    with pytest.raises(BadInputError, match="larger than 4000 directions ever are"):
+        candidates_named(str(tmp_path / "vast.csv"))
+
+
 def test_pairs_are_light_by_light():
     lights, views = candidates_named("rings:0x1,40x2"), candidates_named("paper-81")
     light, view = Field(lights, views, np.ones((3, 81), bool)).pairs

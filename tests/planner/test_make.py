@@ -32,7 +32,7 @@ def pairs(plan):
 
 DENSITIES = [
     # density, views, lights
-    ("va-ia", 81, 81),
+    pytest.param("va-ia", 81, 81, marks=pytest.mark.slow),
     ("vs-ia", 14, 81),
     ("va-is", 81, 14),
     ("vs-is", 14, 14),
@@ -40,10 +40,12 @@ DENSITIES = [
     (1, 1, 1),
     ("7", 7, 7),
 ]
-assert set(PAPER_SUBSETS) < {density for density, *_ in DENSITIES}
+assert set(PAPER_SUBSETS) < {"va-ia"} | {each[0] for each in DENSITIES[1:]}
 
 
-@pytest.mark.parametrize(("density", "views", "lights"), DENSITIES, ids=[d[0] for d in DENSITIES])
+@pytest.mark.parametrize(
+    ("density", "views", "lights"), DENSITIES, ids=["va-ia", *(d[0] for d in DENSITIES[1:])]
+)
 def test_densities(density, views, lights):
     view_density, light_density = split_density(density)
     plan = make_plan(RIG, views=view_density, lights=light_density)
@@ -144,12 +146,12 @@ TRAVEL = [
     (
         {"axis__view_theta__max_deg": 62.0},
         58,
-        "travel of view_theta and view_phi and clear of everything are 57 of 81",
+        "the limits of the plan and clear of everything are 57 of 81",
     ),
     (
         {"axis__view_theta__max_deg": 1.0},
-        "sixth",
-        "view_theta and view_phi and clear of everything are 1 of 81",
+        1,
+        "white reference: view_theta 45 deg is beyond the axis' travel of -1 to 1 deg",
     ),
     ({"axis__light_theta__min_deg": 80.0}, 1, "none of the 81 .* light_theta and light_phi"),
     ({"axis__light_phi__min_deg": 359.0}, 1, "none of the 81 .* light_theta and light_phi"),

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -170,3 +172,22 @@ def test_dots_are_promised_where_they_are_drawn(report, measure):
         along = next(line for line in page.lines if line.startswith("Plane of incidence at φ = 0"))
         assert ("dots: samples within 3°" in along) == dots
         assert ("no sample is within 3° of it" in along) != dots
+
+
+def test_the_page_tells_where_sigma_comes_from(report, measure):
+    measured = measure()
+    sigma = measured.samples.sigma
+    parts = {"photon": 0.8 * sigma, "flux": 0.0 * sigma, "reference": 0.6 * sigma}
+    page, _ = report(measured, samples=replace(measured.samples, components=parts))
+    lines = page.lines[page.lines.index("Where sigma comes from") :]
+    shares = {name: lines[lines.index(name) + 1 :][:2] for name in parts}
+    assert shares == {
+        "photon": ["64.0 %", "independent"],
+        "flux": ["none", "independent"],
+        "reference": ["36.0 %", "common"],
+    }
+
+
+def test_samples_that_tell_no_components_have_no_such_table(report, measure):
+    page, _ = report(measure())
+    assert "Where sigma comes from" not in page.lines

@@ -14,7 +14,7 @@ from planner.make import field_within, make_plan
 from planner.scene.expected import expected_error
 from planner.scene.pairs import sample_pairs
 from planner.scene.scene import Scene
-from planner.scene.sparing import IN_COLOR, Wanted, plan_for_use, without_color
+from planner.scene.sparing import FREELY, IN_COLOR, Wanted, plan_for_use, without_color
 from planner.scene.use import NOT_ASKED, SAME_AZIMUTH, Use
 
 RIG, SET = default_rig(), candidates_named("rings:0x1,30x6,60x12")
@@ -92,13 +92,18 @@ def test_accuracy_is_kept_in_fewer_shots(use):
     assert len(plan.shots) < len(plain.shots) == 36
     assert after.inside <= before.inside * 1.001
     spared = [each for each in plan.left_out if each.spared_shots is not None]
-    assert [each.reason for each in spared] == list(use.omissions())
+    assert [each.reason for each in spared] == [FREELY, *use.omissions()]
     assert sum(each.spared_shots for each in spared) == 36 - len(plan.shots)
     seconds = plain.estimates.total_s - plan.estimates.total_s
     assert sum(each.spared_min for each in spared) == pytest.approx(seconds / 60)
     change = sum(each.error_inside for each in spared)
     assert change == pytest.approx(after.inside - before.inside, abs=1e-9)
     assert sum(each.shots for each in plan.left_out) == len(SET) ** 2 - len(plan.shots)
+
+
+def test_there_are_enough_to_make_something_of_them():
+    plan, _ = plan_of(Use(PAIRS), Wanted(fewest=True, least=30))
+    assert len(plan.shots) == 30
 
 
 def test_the_demand_decides_where_shots_go():
