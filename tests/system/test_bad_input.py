@@ -18,6 +18,7 @@ def rig(old, new):
 PLAN = ("plan", "--density", "2")
 USE_PLAN = ("capture", "--sim", "--plan", "plan.json")
 USE_RIG = ("plan", "--rig", "rig.toml")
+IMPERFECT = ("capture", "--sim", "--imperfections")
 TABLE = "light_theta_deg,light_phi_deg,view_theta_deg,view_phi_deg,r,g,b\n"
 ROW = "10,0,20,30,0.1,0.2,0.3\n"
 FROM_TABLE = ("reconstruct", "table.csv")
@@ -53,6 +54,25 @@ CASES = [
     ("unknown material", {}, ("capture", "--sim", "--material", "cheese"), 2, "wood-veneer"),
     ("no material file", {}, ("capture", "--sim", "--material", "a.npz"), 2, "no such file"),
     ("material is no npz", {"a.npz": "x"}, ("capture", "--sim", "--material", "a.npz"), 2, "a.npz"),
+    ("unknown imperfections", {}, (*IMPERFECT, "some"), 2, "use none, mild, all, or the path of"),
+    ("no file of imperfections", {}, (*IMPERFECT, "a.toml"), 2, "a.toml: no such file"),
+    (
+        "imperfections have an odd key",
+        {"a.toml": "camera_prnn = 1"},
+        (*IMPERFECT, "a.toml"),
+        2,
+        "a.toml: camera_prnn: is not a known key",
+    ),
+    (
+        "an imperfection is too large",
+        {"a.toml": "camera_full_well = 0.5"},
+        (*IMPERFECT, "a.toml"),
+        2,
+        "a.toml: camera_full_well: 0.5 is out of range, 0 to 0.08 is allowed",
+    ),
+    ("texels without --btf", {}, ("reduce", "--texels", "8"), 2, "options of --btf"),
+    ("samples' options with --btf", {}, ("reduce", "--btf", "--csv", "x.csv"), 2, "--csv is an"),
+    ("imperfections of a real rig", {}, ("capture", "--imperfections", "mild"), 2, "--sim"),
     ("no real rig yet", {}, ("capture",), 2, "--sim"),
     ("nothing to resume", {}, ("capture", "--sim", "--resume"), 2, "session"),
     ("folder in use", {"session/x": "x"}, ("capture", "--sim"), 2, "never overwritten"),

@@ -36,7 +36,10 @@ def reader(tmp_path):
 
 
 def captured(gonio, root):
-    for command in (("plan", "--density", "3"), ("capture", "--sim", "-o", root)):
+    for command in (
+        ("plan", "--density", "3", "--criterion", "farthest", "--no-page"),
+        ("capture", "--sim", "-o", root),
+    ):
         done = gonio(*command)
         assert done.returncode == 0, done.stderr
 

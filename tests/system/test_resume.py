@@ -30,17 +30,21 @@ def session(gonio, tmp_path):
     """Nine shots of a table that lies beside the session."""
     values = np.random.default_rng(0).uniform(0.1, 0.5, (81, 81, 3))
     MeasuredTable.of(values).save(tmp_path / "mine.npz")
-    ok(gonio("plan", "--density", "3"))
+    ok(gonio("plan", "--density", "3", "--no-page"))
     ok(gonio("capture", "--sim", "--material", "mine.npz", "--sample", "mine"))
     return tmp_path / "session"
 
 
-def drop_frames(session, condition):
-    with sqlite3.connect(session / "journal.sqlite") as journal:
-        journal.execute(f"DELETE FROM event WHERE kind = 'frame' AND {condition}")
+@pytest.fixture
+def drop_frames(rewritten):
+    def drop(session, condition):
+        change = f"DELETE FROM event WHERE kind = 'frame' AND {condition}"
+        rewritten(session / "journal.sqlite", change)
+
+    return drop
 
 
-def test_samples_reduced_on_purpose_are_what_is_reconstructed(gonio, session):
+def test_samples_reduced_on_purpose_are_what_is_reconstructed(gonio, session, drop_frames):
     ok(gonio("reduce", "--patch-mm", "20"))
     wide = sha256_file(session / "samples.nc")
     ok(gonio("reconstruct", "--estimator", "paper", "--epochs", "2"))
@@ -51,13 +55,13 @@ def test_samples_reduced_on_purpose_are_what_is_reconstructed(gonio, session):
     assert sha256_file(session / "samples.nc") != wide
 
 
-def test_a_resume_from_another_folder_finds_the_material(gonio, session, tmp_path):
+def test_a_resume_from_another_folder_finds_the_material(gonio, session, tmp_path, drop_frames):
     drop_frames(session, "data LIKE '%shot_000004%'")
     (tmp_path / "elsewhere").mkdir()
     ok(gonio("capture", "--sim", "--resume", "-o", session, cwd=tmp_path / "elsewhere"))
 
 
-def test_a_material_that_has_changed_is_refused(gonio, session, tmp_path):
+def test_a_material_that_has_changed_is_refused(gonio, session, tmp_path, drop_frames):
     drop_frames(session, "data LIKE '%shot_000004%'")
     MeasuredTable.of(np.full((81, 81, 3), 0.3)).save(tmp_path / "mine.npz")
     refused = gonio("capture", "--sim", "--resume")
@@ -65,7 +69,7 @@ def test_a_material_that_has_changed_is_refused(gonio, session, tmp_path):
     assert "is not the file it was begun with" in refused.stderr
 
 
-def test_repeats_taken_after_a_resume_have_noise_of_their_own(gonio, session):
+def test_repeats_taken_after_a_resume_have_noise_of_their_own(gonio, session, drop_frames):
     before = {path.name: sha256_file(path) for path in (session / "calibration").iterdir()}
     drop_frames(session, "(data LIKE '%_r2_%' OR data LIKE '%_r3_%')")
     for name in before:
@@ -79,15 +83,16 @@ def test_repeats_taken_after_a_resume_have_noise_of_their_own(gonio, session):
     assert len(set(after.values())) == len(after)
 
 
-def test_a_frame_of_no_use_is_taken_again(gonio, session):
+def test_a_frame_of_no_use_is_taken_again(gonio, session, rewritten):
     frame = session / "raw/shot_000002_e0_r0_a1.dng"
     other = session / "raw/shot_000002_e1_r0_a1.dng"
     shutil.copy(other, frame)  # whole, but of another exposure
     with sqlite3.connect(session / "journal.sqlite") as journal:
         rows = journal.execute("SELECT id, data FROM event WHERE kind = 'frame'").fetchall()
         ((number, data),) = [row for row in rows if "shot_000002_e0" in row[1]]
-        changed = json.dumps(json.loads(data) | {"sha256": sha256_file(frame)})
-        journal.execute("UPDATE event SET data = ? WHERE id = ?", (changed, number))
+    changed = json.dumps(json.loads(data) | {"sha256": sha256_file(frame)})
+    row = (changed, number)
+    rewritten(session / "journal.sqlite", "UPDATE event SET data = ? WHERE id = ?", row)
     reduced = gonio("reduce")
     assert len(Samples.load(session / "samples.nc")) == 8
     told = reduced.stderr.partition("take it again with: ")[2]
@@ -195,14 +200,25 @@ def test_a_reference_that_is_not_there_costs_no_session(gonio, tmp_path):
     assert not (tmp_path / "session").exists()
 
 
+# so many shots that it is not over before the signal; or a capture without a plan
+LONG = ("--density", "8", "--criterion", "farthest", "--no-page")
 STOPS = {
-    "Ctrl-C": (signal.SIGINT, 130, "session"),
-    "shutdown": (signal.SIGTERM, 143, "my metal"),
+    "Ctrl-C": (signal.SIGINT, 130, "session", None),
+    "shutdown": (signal.SIGTERM, 143, "my metal", LONG),
+    "closed terminal": (signal.SIGHUP, 143, "session", LONG),
 }
 
 
-@pytest.mark.parametrize(("number", "code", "root"), STOPS.values(), ids=STOPS)
-def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code, root):
+def as_in_a_terminal():
+    """Undo what a shell's background job or nohup has its children ignore."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
+@pytest.mark.parametrize(("number", "code", "root", "plan"), STOPS.values(), ids=STOPS)
+def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code, root, plan):
+    if plan:
+        ok(gonio("plan", *plan))
     process = subprocess.Popen(
         [sys.executable, "-m", "gonio", "capture", "--sim", "-o", root],
         cwd=tmp_path,
@@ -210,6 +226,7 @@ def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code, root):
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"OMP_NUM_THREADS": "1"},
+        preexec_fn=as_in_a_terminal,  # noqa: PLW1509 - there are no threads here
     )
     while not list((tmp_path / root / "raw").glob("*.dng")):
         os.sched_yield()

@@ -23,7 +23,7 @@ def test_without_a_compiler_one_line_says_why_and_what_it_costs(tmp_path, compil
     pytest.importorskip("pybind11", reason="needs what setup.py builds with")
     pytest.importorskip("setuptools", reason="needs what setup.py builds with")
     shutil.copy(ROOT / "setup.py", tmp_path)
-    for package in ("nnbrdf", "planner"):
+    for package in ("gonio", "nnbrdf", "planner"):
         shutil.copytree(ROOT / package / "kernel", tmp_path / package / "kernel")
     ran = subprocess.run(
         [sys.executable, "setup.py", "-q", "build_ext", "--build-lib", "built"],
