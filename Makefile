@@ -3,10 +3,10 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
-KERNEL := setup.py $(wildcard nnbrdf/kernel/* planner/kernel/*)
+KERNEL := setup.py $(wildcard gonio/kernel/* nnbrdf/kernel/* planner/kernel/*)
 
-.PHONY: help setup demo test bench bench-evaluate calibration designs adaptive few-shots left-out \
-	bad-capture twin expected scenes docs format clean
+.PHONY: help setup demo test test-slow fuzz bench bench-evaluate bench-rehearsal calibration designs adaptive few-shots left-out \
+	bad-capture sampling mitsuba twin chain color coverage expected imperfections scenes texels docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -33,10 +33,20 @@ test: setup      ## format, lint, types, layers, then the tests
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
+
+test-slow: setup ## the tests that make test leaves out: half a minute and more each
+	$(BIN)/pytest -n auto --dist worksteal -m slow
+
+fuzz: setup      ## mutated files at every importer, coverage-guided: RUNS=20000 each
+	@$(BIN)/pip install -q --disable-pip-version-check -c constraints.txt -e '.[fuzz]'
+	$(BIN)/python -m tests.fuzz.fuzz_importers $(or $(RUNS),20000)
 
 bench: setup     ## benchmarks: ratios to named alternatives, each in one run
 	$(BIN)/python -m pytest tests/benchmarks -s --override-ini='python_files=bench_*.py'
+
+bench-rehearsal: setup  ## the whole 6561 shots on the twin without pictures, twice (4 minutes)
+	$(BIN)/python -m pytest tests/benchmarks/bench_rehearsal.py -s --override-ini='python_files=bench_*.py'
 
 bench-evaluate: setup  ## evaluation time: NumPy, kernel, compiled GGX, on one core
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks/bench_evaluate.py -s --override-ini='python_files=bench_*.py'
@@ -53,20 +63,42 @@ adaptive: setup ## error against shots, in rounds and fixed, on a folder of meas
 few-shots: setup ## 64 and 196 shots against all, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_few_shots.py $(MATERIALS)
 
+color: setup     ## how well matrices fit measured cameras under several lamps (20 seconds)
+	$(BIN)/python tests/benchmarks/study_color.py
+
 bad-capture: setup  ## what noise, faults and gaps cost, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_bad_capture.py $(MATERIALS)
+
+sampling: setup  ## variance of importance sampling against sampling by the cosine: MODELS=folders
+	$(BIN)/python tests/benchmarks/study_sampling.py $(MODELS)
+
+mitsuba: setup   ## Mitsuba's chi-square test of the exported plugin (needs LLVM 17 or newer)
+	$(BIN)/python -m tests.benchmarks.study_mitsuba
 
 twin: setup      ## the noisy twin against noise-free values, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_twin.py $(MATERIALS)
 
+imperfections: setup  ## what imperfections of camera and lamps do to samples (15 minutes)
+	$(BIN)/python tests/benchmarks/study_imperfections.py
+
 designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)
+
+coverage: setup  ## do 90 % intervals of samples hold nine of ten, over 1000 sessions that err (10 minutes)
+	$(BIN)/python -m tests.benchmarks.study_coverage
+
+PX ?= 800
+chain: setup     ## every command on less than ideal twins, recovered beside injected: PX=2000 for a large sensor
+	$(BIN)/python -m tests.benchmarks.study_chain --px $(PX)
 
 expected: setup  ## does the expected error rank designs as the true one: MATERIALS="one.npz two.npz"
 	$(BIN)/python tests/benchmarks/study_expected.py $(MATERIALS) -o expected.png
 
 scenes: setup    ## error in three scenes against rig time, by plan, through the twin (10 minutes)
 	$(BIN)/python tests/benchmarks/study_scenes.py
+
+texels: setup    ## time and memory of gonio reduce --btf by the number of brackets
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/study_btf.py
 
 docs: setup      ## the documentation site, in docs/_build
 	$(BIN)/sphinx-build -W --keep-going -q docs docs/_build
@@ -75,4 +107,4 @@ format: setup    ## write the format that test checks
 	$(BIN)/ruff format . && $(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info docs/_build demo nnbrdf/*.so planner/*.so
+	rm -rf $(VENV) build dist *.egg-info docs/_build demo gonio/*.so nnbrdf/*.so planner/*.so

@@ -1,4 +1,4 @@
-"""Build of the compiled parts: trainer and evaluation, once for every vector width; the route."""
+"""Build of the compiled parts: trainer and evaluation by vector width; the route; pixels."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from setuptools.command.build_ext import build_ext
 
 KERNEL = Path("nnbrdf/kernel")
 ROUTE_KERNEL = Path("planner/kernel")
+PIXEL_KERNEL = Path("gonio/kernel")
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
 PASSES = {"nnbrdf._fused": "passes.cpp", "nnbrdf._evaluate": "evaluate.cpp"}
 COSTS = {
     "nnbrdf._fused": "torch trains, some 40 times slower",
     "nnbrdf._evaluate": "NumPy evaluates, some 20 times slower",
     "planner._route": "routes are about 1 per cent longer",
+    "gonio._pixels": "NumPy merges and rectifies pictures, some 20 times slower",
 }
 # square roots that would set errno are called one by one
 FLAGS = ["-std=c++17", "-O3", "-fvisibility=hidden", "-fno-math-errno"]
@@ -74,14 +76,14 @@ def _reason(error: Exception) -> str:
     return str(error)
 
 
-def extension(name: str, sources: list[Path]) -> Pybind11Extension:
+def extension(name: str, sources: list[Path], flags: tuple[str, ...] = ()) -> Pybind11Extension:
     """Return one module; an installation goes on without those that do not compile."""
     return Pybind11Extension(
         name,
         [str(source) for source in sources],
         depends=[str(path) for path in sources[0].parent.iterdir()],
         define_macros=[("GONIO_X86", "1")] if IS_X86 else [],
-        extra_compile_args=["-O3"],
+        extra_compile_args=["-O3", *flags],
         cxx_std=17,
         optional=True,
     )
@@ -92,6 +94,12 @@ setup(
         extension("nnbrdf._fused", [KERNEL / "module.cpp"]),
         extension("nnbrdf._evaluate", [KERNEL / "evaluate_module.cpp"]),
         extension("planner._route", sorted(ROUTE_KERNEL.glob("*.cpp"))),
+        # a comparison that could trap would keep whole loops from being vectors
+        extension(
+            "gonio._pixels",
+            sorted(PIXEL_KERNEL.glob("*.cpp")),
+            ("-fno-math-errno", "-fno-trapping-math"),
+        ),
     ],
     cmdclass={"build_ext": BuildWidths},
 )
