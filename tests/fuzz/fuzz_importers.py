@@ -15,21 +15,15 @@ import numpy as np
 
 from gonio.directions import paper_directions
 from gonio.errors import BadFileError
-from gonio.exchange import FORMATS, Source, format_named
+from gonio.exchange import FORMATS, format_named
 from gonio.exchange.format import Format
+from tests.fuzz.seeds import sow
 
 RUNS = 20_000
 MEMORY = 2 << 30
 SLOWEST_S = 10
-LONGEST = 1 << 16
-
-
-class Dim:
-    """A small anisotropic material, so that seeds are short."""
-
-    def evaluate(self, light, view):
-        shape = np.broadcast_shapes(light.shape, view.shape)
-        return np.broadcast_to(0.1 + 0.05 * light[..., :1] * view[..., :1] + 0.01, shape)
+SHORTEST_LIMIT = 1 << 16
+"""Mutated files grow to this, or to twice the longest seed."""
 
 
 def readable() -> list[Format]:
@@ -49,29 +43,20 @@ def look_at(format_: Format, path: Path) -> None:
     assert np.isfinite(values).all(), "a value is not finite"
 
 
-def seed(format_: Format, folder: Path) -> None:
-    """Give the fuzzer a good file to begin with, cut where it is long, and its first bytes."""
-    folder.mkdir(parents=True, exist_ok=True)
-    whole = folder / f"whole{format_.suffix}"
-    if format_.write is not None:
-        format_.write(Source(Dim(), "dim"), whole, None)
-        content = whole.read_bytes()
-        (folder / "head").write_bytes(content[: LONGEST // 16])
-        if len(content) > LONGEST:
-            whole.unlink()
-
-
 def fuzz(format_: Format, runs: int, home: Path) -> None:
     import atheris
 
     folder, trial = home / format_.name, home / f"{format_.name}-trial{format_.suffix}"
+    folder.mkdir(parents=True, exist_ok=True)
+    sow(format_, folder)
     atheris.instrument_all()
 
     def once(data: bytes) -> None:
         trial.write_bytes(data)
         look_at(format_, trial)
 
-    options = [f"-runs={runs}", f"-timeout={SLOWEST_S}", f"-max_len={LONGEST}", "-seed=1"]
+    longest = max(SHORTEST_LIMIT, *(2 * seed.stat().st_size for seed in folder.iterdir()))
+    options = [f"-runs={runs}", f"-timeout={SLOWEST_S}", f"-max_len={longest}", "-seed=1"]
     told = [f"-artifact_prefix={folder}/", "-print_final_stats=1", "-rss_limit_mb=0"]
     atheris.Setup([sys.argv[0], *options, *told, str(folder)], once)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -83,7 +68,6 @@ def main() -> int:
     names = sys.argv[2:] or [each.name for each in readable()]
     home = Path("fuzz")
     if len(names) == 1:
-        seed(format_named(names[0]), home / names[0])
         fuzz(format_named(names[0]), runs, home)
         return 0
     codes = [
