@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio.approach import first_stop_deg
 from gonio.clearance import check_pose, limits_of, not_free, spoken
 from gonio.detours import leg_seconds, turned_round, ways_round, with_approach
 from gonio.errors import BadInputError
+from gonio.rig import AXES
 from gonio.roadmap import roadmap_of
 from gonio.swept import leg_blocked
 
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 _FIRST, _MORE = 16, 4
 """How many of the quickest ways round are looked at first, and how many times more after that."""
+
+_SAME_DEG = 1e-9
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,8 @@ def _way_round(start: Array, goal: Array, rig: Rig) -> Array | None:
             return np.asarray(some[free[0]])
         first, count = first + count, count * _MORE
     far = roadmap_of(rig).way(start, goal, rig)
-    return None if far is None else _shortened(far, rig)
+    short = None if far is None else _shortened(far, rig)
+    return None if short is None else _landed(short, rig)
 
 
 def _shortened(way: Array, rig: Rig) -> Array | None:
@@ -120,6 +125,28 @@ def _shortened(way: Array, rig: Rig) -> Array | None:
             return None
         kept.append(int(later[np.argmin(hit)]))
     return np.asarray(way[kept])
+
+
+def _landed(way: Array, rig: Rig) -> Array | None:
+    """Put in where axes come from that are at the goal's angle before, by the wrong side.
+
+    Returns None where that is not free.
+    """
+    before, goal = way[-2], way[-1]
+    landing = before.copy()
+    for column, name in enumerate(AXES):
+        axis = rig.axis[name]
+        away = np.abs(way[:, column] - goal[column]) > axis.in_position_deg
+        if away.any() and not away[-2]:
+            last_away = way[np.flatnonzero(away)[-1], column]
+            landing[column] = first_stop_deg(last_away, goal[column], axis)
+    if np.allclose(landing, before, rtol=0.0, atol=_SAME_DEG):
+        return way
+    down, up = (
+        leg_blocked(before[None], landing[None], rig),
+        blocked(landing[None], goal[None], rig),
+    )
+    return None if down[0] or up[0] else np.stack([*way[:-1], landing, goal])
 
 
 def _are_free(ways: Array, rig: Rig) -> NDArray[np.bool_]:
