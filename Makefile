@@ -3,6 +3,9 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 LOG := $(VENV)/install.log
+# tests that wait for real ports leave cores free; libraries' own threads would take them from others
+WORKERS ?= $(shell echo $$((2 * $$(nproc))))
+PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist worksteal
 KERNEL := setup.py $(wildcard gonio/kernel/* nnbrdf/kernel/* planner/kernel/*)
 
 .PHONY: help setup demo test test-slow fuzz bench bench-evaluate bench-rehearsal calibration designs adaptive few-shots left-out \
@@ -33,10 +36,10 @@ test: setup      ## format, lint, types, layers, then the tests
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n auto --dist worksteal
+	$(PYTEST)
 
 test-slow: setup ## the tests that make test leaves out: half a minute and more each
-	$(BIN)/pytest -n auto --dist worksteal -m slow
+	$(PYTEST) -m slow
 
 fuzz: setup      ## mutated files at every importer, coverage-guided: RUNS=20000 each
 	@$(BIN)/pip install -q --disable-pip-version-check -c constraints.txt -e '.[fuzz]'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 from pathlib import Path
 from subprocess import CalledProcessError
@@ -39,7 +40,7 @@ class BuildWidths(build_ext):
         self.failed = {}
         super().run()
         if self.failed:
-            costs = ", ".join(COSTS[name] for name in self.failed)
+            costs = ", ".join(cost for name, cost in COSTS.items() if name in self.failed)
             reason = next(iter(self.failed.values()))
             self.warn(
                 f"gonio was installed without its compiled kernels ({reason}), so {costs}; "
@@ -102,4 +103,5 @@ setup(
         ),
     ],
     cmdclass={"build_ext": BuildWidths},
+    options={"build_ext": {"parallel": os.cpu_count()}},
 )

@@ -203,7 +203,8 @@ def test_a_reference_that_is_not_there_costs_no_session(gonio, tmp_path):
 # so many shots that it is not over before the signal; or a capture without a plan
 LONG = ("--density", "8", "--criterion", "farthest", "--no-page")
 STOPS = {
-    "Ctrl-C": (signal.SIGINT, 130, "session", None),
+    "Ctrl-C": (signal.SIGINT, 130, "session", LONG),
+    "Ctrl-C without a plan": (signal.SIGINT, 130, "session", None),
     "shutdown": (signal.SIGTERM, 143, "my metal", LONG),
     "closed terminal": (signal.SIGHUP, 143, "session", LONG),
 }
@@ -215,7 +216,14 @@ def as_in_a_terminal():
         signal.signal(number, signal.SIG_DFL)
 
 
-@pytest.mark.parametrize(("number", "code", "root", "plan"), STOPS.values(), ids=STOPS)
+@pytest.mark.parametrize(
+    ("number", "code", "root", "plan"),
+    [
+        # all 196 shots of the plan that it makes itself
+        pytest.param(*stop, id=name, marks=() if stop[-1] else pytest.mark.slow)
+        for name, stop in STOPS.items()
+    ],
+)
 def test_a_capture_is_stopped_in_order(gonio, tmp_path, number, code, root, plan):
     if plan:
         ok(gonio("plan", *plan))
