@@ -14,6 +14,7 @@ from gonio.rig import default_rig, default_rig_text
 from gonio.samples import Samples
 from gonio.session import Session
 from nnbrdf.paper import PaperEstimator
+from nnbrdf.prior import MaterialPrior
 from planner.make import make_plan
 
 
@@ -26,7 +27,7 @@ VOID = {"meta", "img", "br", "link", "input"}
 
 
 class Page(HTMLParser):
-    """Tags with their attributes, and all text outside of style."""
+    """Tags with their attributes, and all text outside of style and scripts."""
 
     def __init__(self, text):
         super().__init__()
@@ -46,7 +47,7 @@ class Page(HTMLParser):
         assert self._open.pop() == tag
 
     def handle_data(self, data):
-        if "style" not in self._open and data.strip():
+        if not {"style", "script"} & set(self._open) and data.strip():
             self.lines.append(data.strip())
 
     @property
@@ -59,15 +60,16 @@ class Page(HTMLParser):
 
 @pytest.fixture
 def standalone():
-    """Parse a page of which nothing is fetched, nothing runs, and what refers finds its place."""
+    """Parse a page of which nothing is fetched, and what refers finds its place."""
     return check_alone
 
 
-def check_alone(text):
-    """Nothing is fetched, nothing runs, and what refers within the page finds its place."""
+def check_alone(text, scripts=()):
+    """Nothing is fetched, nothing runs but what is told, and what refers finds its place."""
     page = Page(text)
     names = {tag for tag, _ in page.tags}
-    assert not names & {"script", "link", "iframe", "object", "embed", "base", "form"}
+    assert not names & {"link", "iframe", "object", "embed", "base", "form"}
+    assert [attrs for tag, attrs in page.tags if tag == "script"] == list(scripts)
     assert not [name for _, attrs in page.tags for name in attrs if name.startswith("on")]
     assert all(value.startswith("data:image/png;base64,") for value in page.values("src"))
     links = page.values("href", "xlink:href")
@@ -79,6 +81,19 @@ def check_alone(text):
     assert "@import" not in text
     assert not re.search(r"<[^>]*https?://", text)
     return page
+
+
+REPORT_SCRIPTS = ({"type": "application/json", "id": "data"}, {})
+
+
+@pytest.fixture
+def small_pictures(monkeypatch):
+    """Make the pictures of reports small, and what fewer shots are judged by quick."""
+    few = MaterialPrior.generate(examples=10)
+    monkeypatch.setattr("gonio.report.content._generated", lambda: few)
+    monkeypatch.setattr("gonio.report.renders._SIZE_PX", 16)
+    monkeypatch.setattr("gonio.report.renders._LIGHTS", 4)
+    monkeypatch.setattr("gonio.report.renders._SHAPES", ("sphere",))
 
 
 def a_truth(rng):
