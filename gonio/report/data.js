@@ -9,11 +9,8 @@ const unpack = (texts, kind) => Object.fromEntries(Object.entries(texts)
 
 const grid = unpack(told.grid, Float32Array);
 const fans = unpack(told.fans, Uint16Array);
-const samples = {
-  pair: new Uint16Array(bytes(told.samples.pair)),
-  value: new Float32Array(bytes(told.samples.value)),
-  sigma: new Float32Array(bytes(told.samples.sigma)),
-};
+const { pair: pairs, ...measured } = told.samples;
+const samples = { ...unpack(measured, Float32Array), pair: new Uint16Array(bytes(pairs)) };
 const sampleAt = new Map(Array.from(samples.pair, (pair, row) => [pair, row]));
 
 // the inverse of _logs in embedded.py

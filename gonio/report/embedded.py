@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
     from nnbrdf.load import Model
 
-_NEAR = np.cos(np.radians(1.0))
+_NEAR_DEG = 3.0
 # logarithms as 16-bit numbers: a step is 0.04 %, from a millionth of white to a million times it
 _LOG_MOST, _LOG_STEPS = 14.0, 65535
 
@@ -52,15 +52,17 @@ def embedded(
 
 
 def _samples(samples: Samples) -> dict[str, str]:
-    """Return the samples that lie at a pair of the grid; the last at a pair counts."""
+    """Return the samples that lie near a pair of the grid, and how far; the last there counts."""
     grid = paper_directions()
     light, view = (at @ grid.T for at in (samples.light, samples.view))
-    at_pair = (light.max(axis=1) > _NEAR) & (view.max(axis=1) > _NEAR)
+    off_deg = np.degrees(np.arccos(np.minimum(light.max(axis=1), view.max(axis=1)).clip(max=1.0)))
+    at_pair = off_deg < _NEAR_DEG
     pair = light.argmax(axis=1) * len(grid) + view.argmax(axis=1)
     ends = (samples.value, samples.sigma)
     value, sigma = (np.broadcast_to(each, (len(samples), 3)) for each in ends)
     return {
         "pair": _packed(pair[at_pair].astype("<u2")),
+        "off_deg": _floats(off_deg[at_pair]),
         "value": _floats(value[at_pair]),
         "sigma": _floats(sigma[at_pair]),
     }

@@ -51,7 +51,8 @@ function drawRings(group) {
 function tell(light, view) {
   const pair = COUNT * light + view, row = sampleAt.get(pair), truth = grid.truth;
   $("pair").textContent = `Light ${angles(light)}; view ${angles(view)}`;
-  $("pair-kind").textContent = row === undefined ? "filled in" : "measured";
+  $("pair-kind").textContent = row === undefined ? "filled in"
+    : samples.off_deg[row] < 0.5 ? "measured" : `measured ${degrees(samples.off_deg[row])} away`;
   $("more-head").textContent = row !== undefined ? "measured ± σ" : truth ? "truth" : "";
   const lines = told.channels.map((name, channel) => {
     const at = 3 * pair + channel, { values, sigma, lo, hi } = grid;

@@ -1,4 +1,5 @@
 import re
+from functools import partial
 from html.parser import HTMLParser
 from typing import NamedTuple
 
@@ -113,26 +114,29 @@ def samples_of(plan, truth, channels):
     return Samples.from_values(light, view, value, 0.01 * abs(value), channels)
 
 
+def make_measured(
+    folder, *, channels=("r", "g", "b"), truth=True, name="oak, unvarnished", density=4
+):
+    """Make a session with samples, a quickly trained model and, unless told, its truth."""
+    plan = make_plan(default_rig(), views=density, lights=density)
+    notes = Notes(sample=name, orientation="grain", mounting="flat", operator=name)
+    session = create_session(folder, plan, default_rig_text(), notes)
+    material = a_truth(np.random.default_rng(0))
+    if truth:
+        material.save(session.truth_path)
+    samples = samples_of(plan, material, channels)
+    samples.save(session.samples_path)
+    PaperEstimator(hidden=(4,), epochs=3).fit(samples).save(session.model)
+    session.note_timing("reconstruct", 1.5)
+    clock = VirtualClock()
+    with session.journal(writing=True) as journal:
+        journal.append(clock, "begun")
+        clock.sleep(3723)
+        journal.append(clock, "finished")
+    return Measured(session, samples)
+
+
 @pytest.fixture
 def measure(tmp_path):
-    """Make a session with samples, a quickly trained model and, unless told, its truth."""
-
-    def make(*, channels=("r", "g", "b"), truth=True, name="oak, unvarnished", density=4):
-        plan = make_plan(default_rig(), views=density, lights=density)
-        notes = Notes(sample=name, orientation="grain", mounting="flat", operator=name)
-        session = create_session(tmp_path / "session", plan, default_rig_text(), notes)
-        material = a_truth(np.random.default_rng(0))
-        if truth:
-            material.save(session.truth_path)
-        samples = samples_of(plan, material, channels)
-        samples.save(session.samples_path)
-        PaperEstimator(hidden=(4,), epochs=3).fit(samples).save(session.model)
-        session.note_timing("reconstruct", 1.5)
-        clock = VirtualClock()
-        with session.journal(writing=True) as journal:
-            journal.append(clock, "begun")
-            clock.sleep(3723)
-            journal.append(clock, "finished")
-        return Measured(session, samples)
-
-    return make
+    """Make what `make_measured` does."""
+    return partial(make_measured, tmp_path / "session")

@@ -82,7 +82,7 @@ def test_a_gridded_model_is_the_model_at_the_grid(measure):
     gridded, grid = GriddedModel.of_model(model), model.grid()
     pair = from_degrees(THETA[30:40], PHI[30:40]), from_degrees(THETA[3:13], PHI[3:13])
     at = np.arange(30, 40), np.arange(3, 13)
-    np.testing.assert_allclose(gridded.evaluate(*pair), grid["values"][at], rtol=1e-6)
-    np.testing.assert_allclose(gridded.sigma(*pair), grid["sigma"][at], rtol=1e-6)
+    np.testing.assert_allclose(gridded.evaluate(*pair), grid["values"][at], rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(gridded.sigma(*pair), grid["sigma"][at], rtol=1e-6, atol=1e-12)
     for name, bound in zip(("lo", "hi"), gridded.quantiles(*pair), strict=True):
         np.testing.assert_allclose(bound, grid[name][at], rtol=1e-6, atol=1e-12)
