@@ -69,9 +69,11 @@ def _planned(title: str, plans: Sequence[Plan], side: Side) -> Disc:
 
 def _measured(title: str, samples: Samples, side: Side) -> Disc:
     # a thousandth is well above the repeatability of an arm and below any spacing of directions
+    count = len(np.unique(getattr(samples, side).round(3), axis=0))
     theta, phi = to_degrees(getattr(samples, side).round(3))
-    shots = Counter(zip(theta.round(1).tolist(), phi.round(1).tolist(), strict=True))
-    return Disc(title, f"{len(shots)} directions.", _dots(shots, set(shots)), [])
+    # a dot a degree is all that can be seen of very many
+    shots = Counter(zip(theta.round().tolist(), phi.round().tolist(), strict=True))
+    return Disc(title, f"{count} directions.", _dots(shots, set(shots)), [])
 
 
 def _among(angles: Angles, shots: Counter[Angles]) -> bool:

@@ -59,7 +59,7 @@ def foretold(chain: PlanChain, rig: Rig, prior: Prior) -> list[Reached]:
     """Return which error a prior expects of fewer and fewer of the shots, and their time.
 
     Shots that stay are spread evenly over the route, by chance; the error is the root mean square,
-    over every tenth of the 81 x 81 pairs, of the standard deviation of ln(BRDF). Of very many
+    over every twentieth of the 81 x 81 pairs, of the standard deviation of ln(BRDF). Of very many
     shots, only some are asked about.
     """
     from planner.expected import ExpectedError
@@ -95,14 +95,14 @@ def course_drawings(
     """
     if len(rounds) > 1:
         yield drawing(
-            "Uncertainty round by round",
+            "Uncertainty against rig time",
             _draw_rounds(rounds),
             "Mean posterior standard deviation of ln(f + 0.01 white) over the 81 x 81 pairs, "
             "after each plan; numbers: shots.",
         )
     if len(told) > 1:
         yield drawing(
-            "Fewer shots",
+            "Error against rig time, with fewer shots",
             _draw_foretold(told, ends),
             "Standard deviation of ln(f + 0.01 white), root mean square over the 81 x 81 pairs. "
             "Line: foretold by the prior, before anything was measured, for the number of these "
@@ -118,9 +118,9 @@ def true_deviation(grid: dict[str, NDArray[Any]], truth: MeasuredTable) -> float
 
 
 def _everywhere() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return light and view of every tenth pair, which meets each light and each view."""
+    """Return light and view of every twentieth pair, which meets each light and each view."""
     grid = paper_directions()
-    light, view = np.divmod(np.arange(0, len(grid) ** 2, 10), len(grid))
+    light, view = np.divmod(np.arange(0, len(grid) ** 2, 20), len(grid))
     return grid[light], grid[view]
 
 
@@ -163,6 +163,9 @@ def _axes(longest_s: float) -> tuple[Figure, Axes, float]:
     axes = figure.subplots()
     unit_s, unit = (3600.0, "h") if longest_s > 2 * 3600 else (60.0, "min")
     axes.set_xlim(0.0, 1.08 * longest_s / unit_s)
+    axes.margins(y=0.1)
+    axes.locator_params("x", nbins=6)
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.grid(axis="y", linewidth=0.6)
     axes.set_xlabel(f"rig time ({unit})")
     return figure, axes, unit_s
@@ -171,8 +174,8 @@ def _axes(longest_s: float) -> tuple[Figure, Axes, float]:
 def _say_shots(axes: Axes, points: Sequence[Reached], unit_s: float) -> None:
     for each in points:
         axes.annotate(
-            f"{each.shots}", (each.seconds / unit_s, each.error), xytext=(4, 5),
-            textcoords="offset points", fontsize=7, color=MUTED,
+            f"{each.shots}", (each.seconds / unit_s, each.error), xytext=(-3, -3), ha="right",
+            va="top", textcoords="offset points", fontsize=7, color=MUTED,
         )  # fmt: skip
 
 

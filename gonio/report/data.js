@@ -33,7 +33,7 @@ function decimals(sigma, value) {
   return least > 0 ? Math.min(Math.max(1 - Math.floor(Math.log10(least)), 0), 12) : 3;
 }
 const withSigma = (value, sigma) => value.toFixed(decimals(sigma, value)) +
-  (sigma >= 0 ? ` ± ${sigma.toFixed(decimals(sigma, value))}` : "");
+  (sigma >= 0 ? ` ±\u00a0${sigma.toFixed(decimals(sigma, value))}` : "");
 const round = value => String(Number(value.toPrecision(3)));
 
 function drawn(parent, name, attributes, text) {

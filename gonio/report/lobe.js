@@ -9,20 +9,21 @@ function setUpLobe() {
   // to the right, down, and towards the eye
   const project = ([x, y, z]) => {
     const [right, away] = [x * Math.cos(yaw) - y * Math.sin(yaw), x * Math.sin(yaw) + y * Math.cos(yaw)];
-    return [100 * right, 42 - 100 * (z * Math.cos(pitch) + away * Math.sin(pitch)), z * Math.sin(pitch) - away * Math.cos(pitch)];
+    const up = z * Math.cos(pitch) + away * Math.sin(pitch);
+    return [100 * right, 50 * Math.cos(pitch) - 8 - 100 * up, z * Math.sin(pitch) - away * Math.cos(pitch)];
   };
   const flat = points => points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
   const times = (vector, by) => vector.map(each => by * each);
 
-  function vertices(light, most) {
+  function vertices(light, longest) {
     return Array.from({ length: rings * around }, (_, i) => {
       const [ring, azimuth] = [Math.floor(i / around), i % around];
       const at = direction(ring * ringDeg, told.phi[light] + azimuth * aroundDeg), index = light * rings * around + i;
-      return { at: times(at, reach(fanValue("lobe", index), most)), unsure: fanShare("relative", index) };
+      return { at: times(at, reach(fanValue("lobe", index), longest)), unsure: fanShare("relative", index) };
     });
   }
   function draw() {
-    const { light, view } = chosen, most = longest(light), corners = vertices(light, most).map(each =>
+    const { light, view } = chosen, longest = lobeMost(light), corners = vertices(light, longest).map(each =>
       ({ ...each, seen: project(each.at) }));
     ground.setAttribute("d", groundPath(project));
     lightLine.setAttribute("d", `M${flat([project([0, 0, 0]), project(times(directions[light], 1.12))]).replace(" ", "L")}`);
@@ -37,8 +38,8 @@ function setUpLobe() {
       facets[i].setAttribute("fill", shade(side));
     });
     over.replaceChildren();
-    for (const [at, value] of samplesOf(light)) mark(times(directions[at], reach(value, most)), "sample", 1.8);
-    mark(times(directions[view], reach(meanAt(light, view), most)), "view", 3.6);
+    for (const [at, value] of samplesOf(light)) mark(times(directions[at], reach(value, longest)), "sample", 1.8);
+    mark(times(directions[view], reach(meanAt(light, view), longest)), "view", 3.6);
     const [x, y] = project(times(directions[light], 1.17));
     drawn(over, "text", { x, y: y + 2, "text-anchor": "middle" }, "light");
   }
@@ -47,7 +48,7 @@ function setUpLobe() {
     drawn(over, "circle", { cx, cy, r, class: kind });
   }
   function turn(right, up) {
-    yaw += right; pitch = Math.min(Math.max(pitch + up, -0.1), Math.PI / 2);
+    yaw += right; pitch = Math.min(Math.max(pitch + up, 0), 1.3);
     draw();
   }
   let held = null;

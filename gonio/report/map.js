@@ -40,7 +40,8 @@ function drawRings(group) {
   for (let first = 0; first < COUNT;) {
     const theta = told.theta[first], count = told.theta.filter(each => each === theta).length;
     const middle = first + count / 2;
-    drawn(group, "text", { x: middle, y: 84.6, "text-anchor": "middle" }, `${theta}°`);
+    // the pole's column is too narrow for its label beside the next
+    drawn(group, "text", { x: middle + (first ? 0.4 : 0), y: 84.6, "text-anchor": first ? "middle" : "end" }, `${theta}°`);
     drawn(group, "text", { x: -0.9, y: middle + 1, "text-anchor": "end" }, `${theta}°`);
     if (first) drawn(group, "path", { d: `M${first} 81v1.2M0 ${first}h-1.2` });
     first += count;
@@ -59,7 +60,7 @@ function tell(light, view) {
     const more = row !== undefined ? withSigma(samples.value[3 * row + channel], samples.sigma[3 * row + channel])
       : truth ? truth[at].toFixed(decimals(sigma[at], values[at])) : "";
     const digits = decimals(sigma[at], values[at]);
-    return [name, withSigma(values[at], sigma[at]), `${lo[at].toFixed(digits)} to ${hi[at].toFixed(digits)}`, more];
+    return [name, withSigma(values[at], sigma[at]), `${lo[at].toFixed(digits)} to\u00a0${hi[at].toFixed(digits)}`, more];
   });
   $("values").replaceChildren(...lines.map(line));
 }

@@ -8,5 +8,5 @@ const among = samples.pair.length ? Array.from(samples.pair, pair => Math.floor(
 const first = among.reduce((best, light) => oblique(light) < oblique(best) ? light : best);
 // a highlight far above the body would leave nothing else to be seen
 const body = Array.from(grid.values).sort((a, b) => a - b)[Math.floor(grid.values.length / 2)];
-if (longest(first) > 30 * body) document.querySelector('input[name="scale"][value="log"]').checked = true;
+if (lobeMost(first) > 30 * body) document.querySelector('input[name="scale"][value="log"]').checked = true;
 choose(first, nearest(direction(told.theta[first], told.phi[first] + 180)));

@@ -1,23 +1,22 @@
 // How long a value is drawn: as a share of the light's largest, or over three decades below that.
 const DECADES = 3;
 const isLog = () => picked("scale").value === "log";
-const longest = light => {
-  let most = 0;
-  const { rings: [rings], azimuths: [around], steps: [steps] } = told.fans;
-  for (let i = 0; i < rings * around; i++) most = Math.max(most, fanValue("lobe", light * rings * around + i));
-  for (let i = 0; i < steps; i++) most = Math.max(most, fanValue("high", light * steps + i));
-  return most;
+const most = (name, light, count) => {
+  let largest = 0;
+  for (let i = light * count; i < (light + 1) * count; i++) largest = Math.max(largest, fanValue(name, i));
+  return largest;
 };
-const reach = (value, most) => isLog()
-  ? Math.max(1 + Math.log10(Math.max(value, 1e-30) / most) / DECADES, 0) : Math.max(value / most, 0);
+const lobeMost = light => most("lobe", light, told.fans.rings[0] * told.fans.azimuths[0]);
+const sliceMost = light => Math.max(most("high", light, told.fans.steps[0]), most("slice", light, 3 * told.fans.steps[0]));
+const reach = (value, longest) => isLog()
+  ? Math.max(1 + Math.log10(Math.max(value, 1e-30) / longest) / DECADES, 0) : Math.max(value / longest, 0);
 
 // values at which rings are drawn: round shares of the largest
-function marks(most) {
-  if (isLog()) return [0, 1, 2].map(decade => most / 10 ** decade);
-  const step = 10 ** Math.floor(Math.log10(most)), by = most / step > 5 ? 2 : most / step > 2 ? 1 : 0.5;
-  const values = [];
-  for (let value = by * step; value <= most * 1.0001; value += by * step) values.push(value);
-  return values;
+function marks(longest) {
+  if (isLog()) return [0, 1, 2].map(decade => longest / 10 ** decade);
+  const power = 10 ** Math.floor(Math.log10(longest)), share = longest / power;
+  const step = power * (share > 5 ? 2 : share > 2 ? 1 : 0.5);
+  return Array.from({ length: Math.floor(longest / step) }, (_, i) => (i + 1) * step);
 }
 
 // the mean of the channels of the samples at a light: [view, value]

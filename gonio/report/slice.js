@@ -1,8 +1,8 @@
 // The plane of incidence of the chosen light: mean with its band, channels, truth and samples.
 function setUpSlice() {
   const slice = $("slice"), [steps, stepDeg] = told.fans.steps, middle = (steps - 1) / 2;
-  const place = (angle, value, most) => {
-    const r = 100 * reach(value, most);
+  const place = (angle, value, longest) => {
+    const r = 100 * reach(value, longest);
     return `${(r * Math.sin(angle * RADIAN)).toFixed(1)} ${(-r * Math.cos(angle * RADIAN)).toFixed(1)}`;
   };
   const angle = step => (step - middle) * stepDeg;
@@ -10,26 +10,26 @@ function setUpSlice() {
   const path = points => "M" + points.join("L");
 
   function draw() {
-    const { light } = chosen, most = longest(light), at = step => light * steps + step;
+    const { light } = chosen, longest = sliceMost(light), at = step => light * steps + step;
     const along = (name, stride = 1, channel = 0) =>
-      each(step => place(angle(step), fanValue(name, stride * at(step) + channel), most));
+      each(step => place(angle(step), fanValue(name, stride * at(step) + channel), longest));
     slice.replaceChildren();
-    backdrop(slice, most);
+    backdrop(slice, longest);
     drawn(slice, "path", { class: "band", d: path([...along("low"), ...along("high").reverse()]) + "Z" });
     if (told.channels.length === 3) ["red", "green", "blue"].forEach((name, channel) =>
       drawn(slice, "path", { class: `channel ${name}`, d: path(along("slice", 3, channel)) }));
     if (fans.truth) drawn(slice, "path", { class: "truth", d: path(along("truth")) });
-    drawn(slice, "path", { class: "mean", d: path(each(step => place(angle(step), mean(at(step)), most))) });
+    drawn(slice, "path", { class: "mean", d: path(each(step => place(angle(step), mean(at(step)), longest))) });
     drawn(slice, "path", { class: "light", d: path(["0 0", polar(-told.theta[light], 104)]) });
     for (const [view, value] of samplesOf(light)) {
       const seen = inPlane(light, view);
       if (seen === null) continue;
-      const [cx, cy] = place(seen, value, most).split(" ");
+      const [cx, cy] = place(seen, value, longest).split(" ");
       drawn(slice, "circle", { cx, cy, r: 2, class: "sample" });
     }
     const seen = inPlane(light, chosen.view);
     if (seen !== null) {
-      const [cx, cy] = place(seen, meanAt(light, chosen.view), most).split(" ");
+      const [cx, cy] = place(seen, meanAt(light, chosen.view), longest).split(" ");
       drawn(slice, "circle", { cx, cy, r: 3.6, class: "view" });
     }
     $("slice-told").textContent = `Light ${angles(light)}. Point at the slice for a value.`;
@@ -55,9 +55,9 @@ function inPlane(light, view) {
   return Math.abs(across) < Math.sin(RADIAN) ? Math.atan2(away, z) / RADIAN : null;
 }
 
-function backdrop(slice, most) {
-  for (const value of marks(most)) {
-    const r = 100 * reach(value, most);
+function backdrop(slice, longest) {
+  for (const value of marks(longest)) {
+    const r = 100 * reach(value, longest);
     drawn(slice, "path", { class: "ring", d: `M${-r} 0A${r} ${r} 0 0 1 ${r} 0` });
     drawn(slice, "text", { x: r, y: 8, "text-anchor": "middle" }, round(value));
   }
