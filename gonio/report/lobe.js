@@ -22,18 +22,19 @@ function setUpLobe() {
       return { at: times(at, reach(fanValue("lobe", index), longest)), unsure: fanShare("relative", index) };
     });
   }
+  // four corners a facet, ring by ring
+  const sidesOf = corners => facets.map((_, i) => {
+    const [ring, azimuth, next] = [Math.floor(i / around), i % around, (i + 1) % around], low = ring * around, high = low + around;
+    return [corners[low + azimuth], corners[low + next], corners[high + next], corners[high + azimuth]];
+  });
+  const depth = side => side.reduce((sum, { seen }) => sum + seen[2], 0);
+
   function draw() {
-    const { light, view } = chosen, longest = lobeMost(light), corners = vertices(light, longest).map(each =>
-      ({ ...each, seen: project(each.at) }));
+    const { light, view } = chosen, longest = lobeMost(light);
+    const corners = vertices(light, longest).map(each => ({ ...each, seen: project(each.at) }));
     ground.setAttribute("d", groundPath(project));
-    lightLine.setAttribute("d", `M${flat([project([0, 0, 0]), project(times(directions[light], 1.12))]).replace(" ", "L")}`);
-    const sides = [];
-    for (let ring = 0; ring + 1 < rings; ring++) for (let azimuth = 0; azimuth < around; azimuth++) {
-      const next = (azimuth + 1) % around, [low, high] = [ring * around, (ring + 1) * around];
-      sides.push([corners[low + azimuth], corners[low + next], corners[high + next], corners[high + azimuth]]);
-    }
-    const depth = side => side.reduce((sum, { seen }) => sum + seen[2], 0);
-    sides.sort((a, b) => depth(a) - depth(b)).forEach((side, i) => {
+    lightLine.setAttribute("d", `M${flat([project([0, 0, 0])])}L${flat([project(times(directions[light], 1.12))])}`);
+    sidesOf(corners).sort((a, b) => depth(a) - depth(b)).forEach((side, i) => {
       facets[i].setAttribute("points", flat(side.map(each => each.seen)));
       facets[i].setAttribute("fill", shade(side));
     });
@@ -44,8 +45,8 @@ function setUpLobe() {
     drawn(over, "text", { x, y: y + 2, "text-anchor": "middle" }, "light");
   }
   function mark(at, kind, r) {
-    const [cx, cy] = project(at);
-    drawn(over, "circle", { cx, cy, r, class: kind });
+    const [cx, cy, near] = project(at);
+    drawn(over, "circle", { cx, cy, r, class: near < 0 ? `${kind} behind` : kind });
   }
   function turn(right, up) {
     yaw += right; pitch = Math.min(Math.max(pitch + up, 0), 1.3);

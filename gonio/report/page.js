@@ -4,8 +4,8 @@ $("lobe-end").textContent = `${Number((100 * told.unsure.most).toPrecision(2))} 
 for (const input of document.querySelectorAll('input[name="scale"]')) input.addEventListener("change", () => choose(chosen.light, chosen.view));
 
 const oblique = light => Math.abs(told.theta[light] - 45);
-const among = samples.pair.length ? Array.from(samples.pair, pair => Math.floor(pair / COUNT)) : directions.map((_, i) => i);
-const first = among.reduce((best, light) => oblique(light) < oblique(best) ? light : best);
+const lit = Array.from(samples.pair, pair => Math.floor(pair / COUNT)).sort((a, b) => a - b);
+const first = (lit.length ? lit : Array.from(directions.keys())).reduce((best, light) => oblique(light) < oblique(best) ? light : best);
 // a highlight far above the body would leave nothing else to be seen
 const body = Array.from(grid.values).sort((a, b) => a - b)[Math.floor(grid.values.length / 2)];
 if (lobeMost(first) > 30 * body) document.querySelector('input[name="scale"][value="log"]').checked = true;

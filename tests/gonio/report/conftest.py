@@ -89,6 +89,11 @@ REPORT_SCRIPTS = ({"type": "application/json", "id": "data"}, {})
 
 @pytest.fixture
 def small_pictures(monkeypatch):
+    """Do what `make_small` does."""
+    make_small(monkeypatch)
+
+
+def make_small(monkeypatch):
     """Make the pictures of reports small, and what fewer shots are judged by quick."""
     few = MaterialPrior.generate(examples=10)
     monkeypatch.setattr("gonio.report.content._generated", lambda: few)

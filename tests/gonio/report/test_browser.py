@@ -11,7 +11,7 @@ import pytest
 from gonio.directions import paper_angles_deg
 from gonio.materials import MeasuredTable
 from gonio.report import write_report
-from tests.gonio.report.conftest import make_measured
+from tests.gonio.report.conftest import make_measured, make_small
 from tests.gonio.watch.browser import Page
 
 pytestmark = pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
@@ -38,7 +38,9 @@ PAIRS = {"filled in": (40, 17), "at the rim": (80, 80), "at the pole": (0, 0)}
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
     session, samples = make_measured(tmp_path_factory.mktemp("browser") / "session")
-    write_report(session.report_path, model=session.model, samples=samples, session=session)
+    with pytest.MonkeyPatch.context() as patched:
+        make_small(patched)
+        write_report(session.report_path, model=session.model, samples=samples, session=session)
     return session, samples
 
 
@@ -66,7 +68,7 @@ def spoken(index):
 
 def with_sigma(value, sigma):
     digits = max(1 - int(np.floor(np.log10(sigma))), 0)
-    return f"{value:.{digits}f} ± {sigma:.{digits}f}"
+    return f"{value:.{digits}f} ±\N{NO-BREAK SPACE}{sigma:.{digits}f}"
 
 
 @pytest.mark.parametrize("case", PAIRS)
@@ -83,7 +85,7 @@ def test_pointing_tells_the_pair_and_its_value(page, measured, case):
     for row, name, value, sigma, least, true in zip(rows, "rgb", *told, low, truth, strict=True):
         assert row[:2] == [name, with_sigma(value, sigma)]
         digits = len(row[1].partition(" ")[0].partition(".")[2])
-        assert row[2].startswith(f"{least:.{digits}f} to ")
+        assert row[2].startswith(f"{least:.{digits}f} to\N{NO-BREAK SPACE}")
         assert float(row[3]) == pytest.approx(true, abs=0.51 * 10.0**-digits)
 
 
@@ -137,8 +139,7 @@ def test_each_layer_of_the_map_is_shown_when_chosen(page):
     assert hidden == (True, False, True, True, True)
 
 
-@pytest.mark.parametrize("width", [400, 1200])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "scheme"), [(400, "light"), (1200, "dark")])
 def test_nothing_is_wider_than_the_screen(page, width, scheme):
     assert page.look(width, scheme).startswith(b"\x89PNG")
     assert page.value(OVERFLOW) <= 0
