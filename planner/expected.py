@@ -9,9 +9,11 @@ import numpy as np
 from planner.information import Unknown
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    from gonio.protocols import Prior
+    from gonio.protocols import Prior, PriorKind
     from planner.field import Field
 
 RANK = 400
@@ -35,10 +37,24 @@ class ExpectedError:
 
     def __init__(self, field: Field, prior: Prior) -> None:
         demand = None if field.demand is None else field.demand.ravel()
-        kinds = prior.kinds(*field.pairs, rank_for(field))
+        self._ask(prior.kinds(*field.pairs, rank_for(field)), demand, field.allowed.size)
+
+    @classmethod
+    def at(
+        cls, light: NDArray[np.float64], view: NDArray[np.float64], demand: NDArray[np.float64],
+        prior: Prior,
+    ) -> ExpectedError:  # fmt: skip
+        """Make it of any pairs, unit vectors of shape (n, 3) each, that count by `demand`, (n,)."""
+        made = cls.__new__(cls)
+        made._ask(prior.kinds(light, view, RANK), demand, len(demand))
+        return made
+
+    def _ask(
+        self, kinds: Sequence[PriorKind], demand: NDArray[np.float64] | None, pairs: int
+    ) -> None:
         self._unknown = [Unknown(kind, demand) for kind in kinds]
         # where nothing counts there is no error
-        total = max(float(field.allowed.size if demand is None else demand.sum()), _TINY)
+        total = max(float(pairs if demand is None else demand.sum()), _TINY)
         self._variance = [each.whole / total for each in self._unknown]
 
     def after(self, measured: NDArray[np.int64]) -> float:

@@ -150,7 +150,7 @@ def _shown(source: Source) -> Opened:
 def _in_srgb(source: Source) -> Material:
     if source.model is None:
         return source.material
-    from gonio.report.drawings import quick_to_evaluate
+    from gonio.report.gridded import quick_to_evaluate
 
     material = quick_to_evaluate(source.material)
     # materials of any space are compared, and shown, in one

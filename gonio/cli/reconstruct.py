@@ -174,7 +174,8 @@ def _from_session(recipe: Estimator, root: Path, output: Path | None, compare: b
         session.note_timing("reconstruct", _fit(recipe, samples, folder, page))
         if trial:
             _compare(recipe, trial, folder)
-        summary = write_report(page, model=folder, samples=samples, session=session)
+        prior = getattr(recipe, "prior", None)
+        summary = write_report(page, model=folder, samples=samples, session=session, prior=prior)
     _show(summary, folder, page)
 
 

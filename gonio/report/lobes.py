@@ -8,7 +8,6 @@ import numpy as np
 
 from gonio.directions import from_spherical
 from gonio.report.figures import SERIES, label_decades, new_figure
-from gonio.report.slices import INCIDENCES_DEG
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
 
     from gonio.protocols import Material
 
+_INCIDENCES_DEG = (0.0, 30.0, 60.0)
 _VIEWS_DEG = np.linspace(-75.0, 75.0, 151)
 _FLOOR = 1e-3
 
@@ -34,10 +34,10 @@ def draw_lobes(azimuth_deg: float, materials: Mapping[str, Material], white: flo
         In 1/sr; lines are kept above a thousandth of it.
     """
     figure = new_figure(9.2, 3.0)
-    axes = figure.subplots(1, len(INCIDENCES_DEG), sharey=True)
+    axes = figure.subplots(1, len(_INCIDENCES_DEG), sharey=True)
     azimuth = np.radians(azimuth_deg)
     view = from_spherical(np.radians(_VIEWS_DEG), azimuth)
-    for axis, theta_deg in zip(axes, INCIDENCES_DEG, strict=True):
+    for axis, theta_deg in zip(axes, _INCIDENCES_DEG, strict=True):
         light = from_spherical(np.radians(-theta_deg), azimuth)
         for number, (name, material) in enumerate(materials.items()):
             mean = material.evaluate(light, view).mean(axis=-1).clip(min=_FLOOR * white)

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
 
 _SIDE_IN = 4.2
-_BAR_IN = 0.6
 _ENLARGEMENTS = (1, 2, 5, 10, 20, 50, 100)
-_MOST = 99.0
 
 
 def draw_map(values: NDArray[np.float64], white: float) -> Figure:
@@ -40,26 +38,6 @@ def draw_map(values: NDArray[np.float64], white: float) -> Figure:
     known = np.isfinite(values).all(axis=-1, keepdims=True)
     color = encode_srgb(np.where(known, values, 0.0) / white)
     axes.imshow(np.concatenate([color, known], axis=-1), interpolation="none")
-    _mark_rings(axes)
-    return figure
-
-
-def draw_sigma(sigma: NDArray[np.float64]) -> Figure:
-    """Draw the standard uncertainty, the mean of the channels, shape (81, 81, 3), in 1/sr."""
-    figure = new_figure(_SIDE_IN, _SIDE_IN + _BAR_IN)
-    axes = figure.subplots()
-    mean = sigma.mean(axis=-1)
-    # a few huge ones would leave everything else black
-    image = axes.imshow(
-        mean,
-        interpolation="none",
-        cmap="magma",
-        vmin=0.0,
-        vmax=float(np.percentile(mean, _MOST)),
-    )
-    bar = figure.colorbar(image, ax=axes, orientation="horizontal", extend="max", aspect=40)
-    bar.set_label("σ, mean of channels (1/sr)")
-    bar.outline.set_visible(False)
     _mark_rings(axes)
     return figure
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gonio.directions import paper_angles_deg, paper_directions
+from gonio.report.expected import relative_sigma
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _COUNT = 6
 _APART_DEG = 25.0
-_FLOOR = 0.01
 
 
 class NextPair(NamedTuple):
@@ -43,10 +43,10 @@ def next_pairs(grid: dict[str, NDArray[np.float32]], white: float) -> list[NextP
     white
         A hundredth of it is added to the values, 1/sr: nobody asks for a tenth of nothing.
     """
-    relative = (grid["sigma"] / (grid["values"] + _FLOOR * white)).mean(axis=2)
+    relative = relative_sigma(grid, white)
     cosine = paper_directions() @ paper_directions().T
     near = cosine > np.cos(np.radians(_APART_DEG))
-    left, chosen = relative.astype(np.float64), []
+    left, chosen = relative.copy(), []
     for _ in range(_COUNT):
         light, view = np.unravel_index(int(np.argmax(left)), left.shape)
         chosen.append((int(light), int(view), float(relative[light, view])))

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import platform
-from datetime import timedelta
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
-from gonio.adaptive.goal import ending
 from gonio.files import sha256_file
 
 if TYPE_CHECKING:
@@ -63,23 +61,3 @@ def _of_model(model: Path) -> Iterator[tuple[str, str]]:
     for name in _MODEL_FILES:
         if (model / name).is_file():
             yield name, sha256_file(model / name)
-
-
-def measured_on(session: Session | None) -> tuple[str, timedelta] | None:
-    """Return the day of a capture and how long it took, breaks included, by its journal."""
-    if session is None or not session.journal_path.is_file():
-        return None
-    with session.journal() as journal:
-        times = [event.utc for event in journal.events()]
-    if not times:
-        return None
-    took = max(times) - min(times)
-    return min(times).date().isoformat(), timedelta(seconds=round(took.total_seconds()))
-
-
-def ending_of(session: Session | None) -> str | None:
-    """Return what ended an adaptive capture, by the session's journal."""
-    if session is None or not session.journal_path.is_file():
-        return None
-    with session.journal() as journal:
-        return ending(journal)

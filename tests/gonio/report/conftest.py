@@ -1,4 +1,5 @@
 import re
+from functools import partial
 from html.parser import HTMLParser
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from gonio.rig import default_rig, default_rig_text
 from gonio.samples import Samples
 from gonio.session import Session
 from nnbrdf.paper import PaperEstimator
+from nnbrdf.prior import MaterialPrior
 from planner.make import make_plan
 
 
@@ -26,7 +28,7 @@ VOID = {"meta", "img", "br", "link", "input"}
 
 
 class Page(HTMLParser):
-    """Tags with their attributes, and all text outside of style."""
+    """Tags with their attributes, and all text outside of style and scripts."""
 
     def __init__(self, text):
         super().__init__()
@@ -46,7 +48,7 @@ class Page(HTMLParser):
         assert self._open.pop() == tag
 
     def handle_data(self, data):
-        if "style" not in self._open and data.strip():
+        if not {"style", "script"} & set(self._open) and data.strip():
             self.lines.append(data.strip())
 
     @property
@@ -59,15 +61,16 @@ class Page(HTMLParser):
 
 @pytest.fixture
 def standalone():
-    """Parse a page of which nothing is fetched, nothing runs, and what refers finds its place."""
+    """Parse a page of which nothing is fetched, and what refers finds its place."""
     return check_alone
 
 
-def check_alone(text):
-    """Nothing is fetched, nothing runs, and what refers within the page finds its place."""
+def check_alone(text, scripts=()):
+    """Nothing is fetched, nothing runs but what is told, and what refers finds its place."""
     page = Page(text)
     names = {tag for tag, _ in page.tags}
-    assert not names & {"script", "link", "iframe", "object", "embed", "base", "form"}
+    assert not names & {"link", "iframe", "object", "embed", "base", "form"}
+    assert [attrs for tag, attrs in page.tags if tag == "script"] == list(scripts)
     assert not [name for _, attrs in page.tags for name in attrs if name.startswith("on")]
     assert all(value.startswith("data:image/png;base64,") for value in page.values("src"))
     links = page.values("href", "xlink:href")
@@ -79,6 +82,24 @@ def check_alone(text):
     assert "@import" not in text
     assert not re.search(r"<[^>]*https?://", text)
     return page
+
+
+REPORT_SCRIPTS = ({"type": "application/json", "id": "data"}, {})
+
+
+@pytest.fixture
+def small_pictures(monkeypatch):
+    """Do what `make_small` does."""
+    make_small(monkeypatch)
+
+
+def make_small(monkeypatch):
+    """Make the pictures of reports small, and what fewer shots are judged by quick."""
+    few = MaterialPrior.generate(examples=10)
+    monkeypatch.setattr("gonio.report.content._generated", lambda: few)
+    monkeypatch.setattr("gonio.report.renders._SIZE_PX", 16)
+    monkeypatch.setattr("gonio.report.renders._LIGHTS", 4)
+    monkeypatch.setattr("gonio.report.renders._SHAPES", ("sphere",))
 
 
 def a_truth(rng):
@@ -98,26 +119,29 @@ def samples_of(plan, truth, channels):
     return Samples.from_values(light, view, value, 0.01 * abs(value), channels)
 
 
+def make_measured(
+    folder, *, channels=("r", "g", "b"), truth=True, name="oak, unvarnished", density=4
+):
+    """Make a session with samples, a quickly trained model and, unless told, its truth."""
+    plan = make_plan(default_rig(), views=density, lights=density)
+    notes = Notes(sample=name, orientation="grain", mounting="flat", operator=name)
+    session = create_session(folder, plan, default_rig_text(), notes)
+    material = a_truth(np.random.default_rng(0))
+    if truth:
+        material.save(session.truth_path)
+    samples = samples_of(plan, material, channels)
+    samples.save(session.samples_path)
+    PaperEstimator(hidden=(4,), epochs=3).fit(samples).save(session.model)
+    session.note_timing("reconstruct", 1.5)
+    clock = VirtualClock()
+    with session.journal(writing=True) as journal:
+        journal.append(clock, "begun")
+        clock.sleep(3723)
+        journal.append(clock, "finished")
+    return Measured(session, samples)
+
+
 @pytest.fixture
 def measure(tmp_path):
-    """Make a session with samples, a quickly trained model and, unless told, its truth."""
-
-    def make(*, channels=("r", "g", "b"), truth=True, name="oak, unvarnished", density=4):
-        plan = make_plan(default_rig(), views=density, lights=density)
-        notes = Notes(sample=name, orientation="grain", mounting="flat", operator=name)
-        session = create_session(tmp_path / "session", plan, default_rig_text(), notes)
-        material = a_truth(np.random.default_rng(0))
-        if truth:
-            material.save(session.truth_path)
-        samples = samples_of(plan, material, channels)
-        samples.save(session.samples_path)
-        PaperEstimator(hidden=(4,), epochs=3).fit(samples).save(session.model)
-        session.note_timing("reconstruct", 1.5)
-        clock = VirtualClock()
-        with session.journal(writing=True) as journal:
-            journal.append(clock, "begun")
-            clock.sleep(3723)
-            journal.append(clock, "finished")
-        return Measured(session, samples)
-
-    return make
+    """Make what `make_measured` does."""
+    return partial(make_measured, tmp_path / "session")

@@ -27,9 +27,7 @@ ENTRIES = [
 ]  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def small_spheres(monkeypatch):
-    monkeypatch.setattr("gonio.report.spheres._SIZE_PX", 16)
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 @pytest.fixture

@@ -3,20 +3,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gonio.directions import from_degrees
 from gonio.errors import BadFileError, StorageError
 from gonio.materials import MeasuredTable
 from gonio.report import write_report
 from gonio.report.summary import NOT_KNOWN
 from gonio.samples import Samples
+from tests.gonio.report.conftest import REPORT_SCRIPTS
 
 HOSTILE = '<script>alert("1")</script> & <img src=http://evil.test/x.png> {{ 7 * 7 }} $\\foo'
 MOST_BYTES = 3_000_000
 
 
-@pytest.fixture(autouse=True)
-def small_spheres(monkeypatch):
-    monkeypatch.setattr("gonio.report.spheres._SIZE_PX", 16)
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 @pytest.fixture
@@ -29,7 +27,7 @@ def report(standalone):
         summary = write_report(session.report_path, **arguments)
         text = session.report_path.read_text()
         assert len(text) < MOST_BYTES
-        return standalone(text), summary
+        return standalone(text, REPORT_SCRIPTS), summary
 
     return write
 
@@ -79,7 +77,7 @@ def test_it_names_what_it_was_made_from(report, measure):
     for name in ("samples.nc", "model.json", "weights.safetensors", "grid.npz"):
         assert name in page.lines
     assert "oak, unvarnished" in page.text
-    assert "1:02:03" in page.text
+    assert page.lines[page.lines.index("rig time") + 1] == "62 min"
     assert "4 chosen of 81" in page.text
 
 
@@ -162,30 +160,15 @@ def test_a_folder_without_a_model_is_named(measure):
     assert not session.report_path.exists()
 
 
-def test_dots_are_promised_where_they_are_drawn(report, measure):
-    measured = measure(truth=False)
-    inside, outside = (from_degrees([30.0] * 8, [azimuth] * 8) for azimuth in (180.0, 45.0))
-    for light, dots in ((inside, True), (outside, False)):
-        view = from_degrees(np.linspace(0, 70, 8), [0.0] * 8)
-        moved = Samples.from_values(light, view, np.full((8, 3), 0.1))
-        page, _ = report(measured._replace(samples=moved))
-        along = next(line for line in page.lines if line.startswith("Plane of incidence at φ = 0"))
-        assert ("dots: samples within 3°" in along) == dots
-        assert ("no sample is within 3° of it" in along) != dots
-
-
 def test_the_page_tells_where_sigma_comes_from(report, measure):
     measured = measure()
     sigma = measured.samples.sigma
     parts = {"photon": 0.8 * sigma, "flux": 0.0 * sigma, "reference": 0.6 * sigma}
     page, _ = report(measured, samples=replace(measured.samples, components=parts))
     lines = page.lines[page.lines.index("Where sigma comes from") :]
-    shares = {name: lines[lines.index(name) + 1 :][:2] for name in parts}
-    assert shares == {
-        "photon": ["64.0 %", "independent"],
-        "flux": ["none", "independent"],
-        "reference": ["36.0 %", "common"],
-    }
+    shares = {name: lines[lines.index(name) + 1 :][:3:2] for name in ("photon", "reference")}
+    assert shares == {"photon": ["64.0 %", "independent"], "reference": ["36.0 %", "common"]}
+    assert any("None, since" in line and line.endswith(": flux.") for line in lines)
 
 
 def test_samples_that_tell_no_components_have_no_such_table(report, measure):
