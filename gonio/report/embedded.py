@@ -10,43 +10,36 @@ import numpy as np
 from gonio.directions import paper_angles_deg, paper_directions
 from gonio.report import fans
 from gonio.report.expected import relative_sigma
-from gonio.report.gridded import quick_to_evaluate
 from gonio.report.layers import UNSURE, largest_unsure
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.materials import MeasuredTable
+    from gonio.protocols import Estimate
+    from gonio.report.sources import Sources
     from gonio.samples import Samples
-    from nnbrdf.load import Model
 
 _NEAR_DEG = 3.0
 # logarithms as 16-bit numbers: a step is 0.04 %, from a millionth of white to a million times it
 _LOG_MOST, _LOG_STEPS = 14.0, 65535
 
 
-def embedded(
-    estimate: Model, grid: dict[str, NDArray[Any]], samples: Samples, truth: MeasuredTable | None
-) -> dict[str, Any]:
-    """Return what the script is given, as JSON has it; all values in 1/sr.
-
-    Parameters
-    ----------
-    grid
-        As in `grid.npz`.
-    """
+def embedded(sources: Sources) -> dict[str, Any]:
+    """Return what the script is given, as JSON has it; all values in 1/sr."""
     theta, phi = paper_angles_deg()
+    grid, truth = sources.grid, sources.truth
     bands = {name: _floats(grid[name]) for name in ("values", "sigma", "lo", "hi")}
     return {
-        "channels": list(samples.channels),
+        "channels": list(sources.samples.channels),
         "theta": theta.tolist(),
         "phi": phi.tolist(),
         "grid": bands | ({} if truth is None else {"truth": _floats(truth.values)}),
-        "samples": _samples(samples),
-        "fans": _fans(estimate, truth),
+        "samples": _samples(sources.samples),
+        "fans": _fans(sources.quick, sources.white, truth),
         "unsure": {
             "colors": list(UNSURE),
-            "most": largest_unsure(relative_sigma(grid, estimate.card.white)),
+            "most": largest_unsure(relative_sigma(grid, sources.white)),
         },
     }
 
@@ -68,10 +61,8 @@ def _samples(samples: Samples) -> dict[str, str]:
     }
 
 
-def _fans(estimate: Model, truth: MeasuredTable | None) -> dict[str, Any]:
-    white = estimate.card.white
-    quick: Any = quick_to_evaluate(estimate)
-    lobes, slices = fans.lobes_of(quick, white), fans.slices_of(quick, truth)
+def _fans(estimate: Estimate, white: float, truth: MeasuredTable | None) -> dict[str, Any]:
+    lobes, slices = fans.lobes_of(estimate, white), fans.slices_of(estimate, truth)
     told = {
         "lobe": lobes.value, "slice": slices.value, "low": slices.lo, "high": slices.hi,
         "truth": slices.truth,

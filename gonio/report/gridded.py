@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
-    from nnbrdf.load import Model
 
     Array = NDArray[np.float64]
 
@@ -34,10 +33,9 @@ class GriddedModel(MeasuredTable):
     bands: Mapping[str, NDArray[Any]]
 
     @classmethod
-    def of_model(cls, model: Model) -> GriddedModel:
-        """Make it of what a model says on the grid."""
-        grid = model.grid()
-        return cls(grid["values"].astype(np.float64), model.card.white, grid)
+    def of_grid(cls, grid: Mapping[str, NDArray[Any]], white: float) -> GriddedModel:
+        """Make it of what a model with that white, in 1/sr, says on the grid."""
+        return cls(grid["values"].astype(np.float64), white, grid)
 
     def sigma(self, light: Array, view: Array) -> Array:
         """Return one standard uncertainty in 1/sr, shape (..., 3)."""
@@ -58,7 +56,14 @@ class GriddedModel(MeasuredTable):
 
 def quick_to_evaluate(material: Material) -> Material:
     """Return what a picture of half a million pairs may be made of in a second or two."""
+    if is_slow(material):
+        model: Any = material
+        return GriddedModel.of_grid(model.grid(), model.card.white)
+    return material
+
+
+def is_slow(material: Material) -> bool:
+    """Tell whether a material takes minutes for a picture; none is finer than its grid."""
     from nnbrdf.posterior_model import PosteriorBRDF
 
-    # minutes otherwise, and no picture is finer than its grid
-    return GriddedModel.of_model(material) if isinstance(material, PosteriorBRDF) else material
+    return isinstance(material, PosteriorBRDF)

@@ -32,7 +32,7 @@ def headline(
     yield Figure("shots", str(summary.shots), share)
     if captured:
         yield Figure("rig time", duration(captured.rig_s), "calibration frames included")
-    yield Figure("median σ", f"{100 * expected.sigma:.2g} %", "of the value, over all pairs")
+    yield Figure("median σ", _per_cent(expected.sigma), "of the value, over all pairs")
     yield Figure(
         "expected error",
         f"{expected.eps8:.2f}",
@@ -51,6 +51,10 @@ def _true(summary: Summary) -> Iterator[Figure]:
     if summary.coverage is not None:
         note = "of the truth lies within 5 to 95 %"
         yield Figure("coverage", f"{100 * summary.coverage:.0f} %", note)
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share < 1.0 else f"{100 * share:.0f} %"
 
 
 def _verdict(asked: Sequence[Check]) -> Figure:

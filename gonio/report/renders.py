@@ -10,7 +10,6 @@ import numpy as np
 from gonio.color import InSpace
 from gonio.render import PROBES, SHAPES, shade
 from gonio.render.contrast import contrast, developed, exposure
-from gonio.report.gridded import quick_to_evaluate
 from gonio.report.images import png_uri
 
 if TYPE_CHECKING:
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from gonio.protocols import Material
     from gonio.render import Picture
     from gonio.report.screen import Screen
-    from nnbrdf.load import Model
 
 _SIZE_PX, _LIGHTS = 144, 32
 _SHAPES = ("sphere", "drape")
@@ -40,9 +38,9 @@ class Render(NamedTuple):
     note: str
 
 
-def renders_of(estimate: Model, truth: MeasuredTable | None, screen: Screen) -> list[Render]:
+def renders_of(model: Material, truth: MeasuredTable | None, screen: Screen) -> list[Render]:
     """Render a model on each shape, beside it the truth where it is known."""
-    materials: dict[str, Material] = {"reconstruction": quick_to_evaluate(estimate)}
+    materials = {"reconstruction": model}
     if truth is not None:
         materials["truth"] = truth
     if not np.array_equal(screen.matrix, np.eye(3)):

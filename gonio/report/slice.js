@@ -59,7 +59,7 @@ function backdrop(slice, longest) {
   for (const value of marks(longest)) {
     const r = 100 * reach(value, longest);
     drawn(slice, "path", { class: "ring", d: `M${-r} 0A${r} ${r} 0 0 1 ${r} 0` });
-    drawn(slice, "text", { x: r, y: 8, "text-anchor": "middle" }, round(value));
+    drawn(slice, "text", { x: r, y: 8, "text-anchor": "middle" }, String(Number(value.toPrecision(2))));
   }
   for (let angle = -90; angle <= 90; angle += 30) {
     drawn(slice, "path", { class: "ring", d: `M0 0L${polar(angle, 100)}` });

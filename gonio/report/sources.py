@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from gonio.checks import Checks
 from gonio.report.captured import Captured
+from gonio.report.gridded import GriddedModel, is_slow
 from gonio.report.screen import Screen
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from gonio.checks import Check
     from gonio.materials import MeasuredTable
     from gonio.planchain import PlanChain
-    from gonio.protocols import Prior
+    from gonio.protocols import Estimate, Prior
     from gonio.samples import Samples
     from gonio.session import Session
     from nnbrdf.load import Model
@@ -60,6 +61,13 @@ class Sources:
         """What it says on the 81 x 81 grid."""
         # the types differ by the kind of number alone
         return dict(self.estimate.grid())
+
+    @cached_property
+    def quick(self) -> Estimate:
+        """The model, or, where that is slow to evaluate, its table on the grid."""
+        if is_slow(self.estimate):
+            return cast("Estimate", GriddedModel.of_grid(self.grid, self.white))
+        return self.estimate
 
     @cached_property
     def chain(self) -> PlanChain | None:

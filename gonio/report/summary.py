@@ -126,10 +126,11 @@ def summarize(model: Path, samples: Samples, truth: MeasuredTable | None) -> Sum
     from nnbrdf.load import load_model
 
     estimate = load_model(model)
+    against, coverage = ((), None) if truth is None else _against_truth(estimate, truth)
     return Summary(
-        against_truth=() if truth is None else _against_truth(estimate, truth),
+        against_truth=against,
         residual=_residual(estimate, samples),
-        coverage=None if truth is None else _coverage(estimate, truth),
+        coverage=coverage,
         weights=estimate.card.weights,
         shots=len(samples),
         pairs=_different_pairs(samples),
@@ -146,26 +147,40 @@ def _different_pairs(samples: Samples) -> int:
     return len(pairs) - len(np.unique(near[:, 1]))
 
 
-def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[Row, ...]:
+def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[tuple[Row, ...], float]:
+    """Return the errors, the quoted one first, and the share of the truth within the bands."""
+    # once: of some models it takes seconds
+    grid = estimate.grid()
+    coverage = float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
+    rows = _rows(grid["values"].astype(np.float64), true)
+    return (_quoted(estimate, rows, true), coverage)
+
+
+def _rows(values: NDArray[np.float64], true: MeasuredTable) -> tuple[Row, ...]:
     from nnbrdf.metrics import eps8, eps8_per_channel, male, male_per_channel
-    from nnbrdf.model import NNBRDF
 
     pair = (true.values, true.white)
-    values = estimate.grid()["values"].astype(np.float64)
-    told = Row("error", eps8(values, *pair), male(values, *pair))
     channels = zip(
         "rgb", eps8_per_channel(values, *pair), male_per_channel(values, *pair), strict=True
     )
-    rows = [Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels]
+    rows = (Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels)
+    return (Row("error", eps8(values, *pair), male(values, *pair)), *rows)
+
+
+def _quoted(estimate: Model, rows: tuple[Row, ...], true: MeasuredTable) -> tuple[Row, ...]:
+    """Put the median of the members first, where there are several."""
+    from nnbrdf.metrics import eps8, male
+    from nnbrdf.model import NNBRDF
+
     if not isinstance(estimate, NNBRDF):
-        return (told, *rows)
-    members = member_grids(estimate)
+        return rows
+    pair, members = (true.values, true.white), member_grids(estimate)
     median = Row(
         f"error (median of {len(members)} networks)",
         float(np.median([eps8(member, *pair) for member in members])),
         float(np.median([male(member, *pair) for member in members])),
     )
-    return (median, replace(told, name="delivered network"), *rows)
+    return (median, replace(rows[0], name="delivered network"), *rows[1:])
 
 
 def _residual(estimate: Model, samples: Samples) -> Row:
@@ -176,11 +191,6 @@ def _residual(estimate: Model, samples: Samples) -> Row:
     told = at_samples(estimate, samples)
     name = "residual at the samples"
     return Row(name, eps8(told, measured, samples.white), male(told, measured, samples.white))
-
-
-def _coverage(estimate: Model, true: MeasuredTable) -> float:
-    grid = estimate.grid()
-    return float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
 
 
 def member_grids(estimate: NNBRDF) -> NDArray[np.float64]:

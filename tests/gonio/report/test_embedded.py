@@ -79,7 +79,7 @@ def test_lobes_and_slices_are_the_models(told):
 
 def test_a_gridded_model_is_the_model_at_the_grid(measure):
     model = load_model(measure(truth=False).session.model)
-    gridded, grid = GriddedModel.of_model(model), model.grid()
+    gridded, grid = GriddedModel.of_grid(model.grid(), model.card.white), model.grid()
     pair = from_degrees(THETA[30:40], PHI[30:40]), from_degrees(THETA[3:13], PHI[3:13])
     at = np.arange(30, 40), np.arange(3, 13)
     np.testing.assert_allclose(gridded.evaluate(*pair), grid["values"][at], rtol=1e-6, atol=1e-12)
