@@ -53,3 +53,8 @@ def _lines(title: str, screen: Console) -> Report:
             screen.print(f"{title}: {done} of {total} after {duration(now - began)}")
 
     return report
+
+
+def note(text: str) -> None:
+    """Tell a person what does not keep the work from going on."""
+    Console(stderr=True, highlight=False, soft_wrap=True).print(f"note: {text}", markup=False)
