@@ -1,4 +1,11 @@
-"""Sphinx configuration: Markdown pages, and the reference from the docstrings."""
+"""Sphinx configuration: Markdown pages, and the reference from the program and its docstrings."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import generated
 
 from gonio import __version__
 
@@ -15,3 +22,5 @@ exclude_patterns = ["_build"]
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 myst_heading_anchors = 3
+
+generated.write(Path(__file__).parent / "reference")

@@ -161,11 +161,11 @@ def recipe_of(name: str, settings: dict[str, Any]) -> Estimator:
         given["prior"] = material_prior(given["prior"])
     size = given.pop("weights", None)
     if size is not None and name == "nn":
-        given["size"] = size
+        given["size"] = str(size)
     elif size is not None:
-        if size not in _PAPER_SIZES:
+        if str(size) not in _PAPER_SIZES:
             raise BadInputError(f"--weights {size}: estimator paper knows 88 and 1268")
-        given["hidden"] = _PAPER_SIZES[size]
+        given["hidden"] = _PAPER_SIZES[str(size)]
     return estimator_named(name)(**given)
 
 

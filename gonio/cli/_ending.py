@@ -39,7 +39,8 @@ def take(ready: Ready, *, retake: bool) -> None:
         _conclude(session, taken)
     else:
         _conclude_rounds(session, taken)
-    answer({**session_document(session), **asdict(taken), "next": session.reconstruct_command})
+    onward = None if session.notes().rehearsal else session.reconstruct_command
+    answer({**session_document(session), **asdict(taken), "next": onward})
 
 
 @contextlib.contextmanager

@@ -14,8 +14,8 @@ SLOWER = default_rig_text().replace("velocity_deg_s = 20.0", "velocity_deg_s = 1
 @pytest.fixture(scope="module")
 def benched(tmp_path_factory):
     """A folder with rig.toml and the rig-timing.json that was measured of it."""
-    from gonio.bench import bench_rig
     from gonio.api.twin import simulated_rig
+    from gonio.bench import bench_rig
 
     folder = tmp_path_factory.mktemp("benched")
     (folder / "rig.toml").write_text(SLOWER)

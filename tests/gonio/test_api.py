@@ -1,0 +1,132 @@
+"""gonio from Python: the tutorial as it is printed, and the command line beside it."""
+
+import ast
+import contextlib
+import io
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gonio as api
+from gonio import plan as core_plan
+from gonio import session as core_session
+from gonio.directions import from_degrees
+from gonio.errors import BadInputError
+from gonio.samples import Samples as CoreSamples
+
+TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial.md"
+CELL = re.compile(r"^```python\n(.*?)^```\n(?:```text\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
+
+
+def run(cell, namespace):
+    """Run a cell as a notebook does: what its last expression is, is printed."""
+    *body, last = ast.parse(cell).body
+    screen = io.StringIO()
+    with contextlib.redirect_stdout(screen):
+        if isinstance(last, ast.Expr):
+            exec(compile(ast.Module(body, []), "cell", "exec"), namespace)
+            value = eval(compile(ast.Expression(last.value), "cell", "eval"), namespace)
+            if value is not None:
+                screen.write(f"{value!r}\n")
+        else:
+            exec(compile(cell, "cell", "exec"), namespace)
+    return screen.getvalue()
+
+
+def as_printed(expected):
+    return re.escape(expected).replace(re.escape("..."), ".*?")
+
+
+def answer(ran):
+    assert ran.returncode == 0, ran.stderr
+    return json.loads(ran.stdout)
+
+
+def test_the_tutorial_is_as_printed_and_as_the_command_line_has_it(gonio, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    here, cells = {}, CELL.findall(TUTORIAL.read_text())
+    assert len(cells) >= 12
+    for cell, expected in cells:
+        assert re.fullmatch(as_printed(expected), run(cell, here)), cell
+    of_command_line(gonio, here, tmp_path)
+
+
+def of_command_line(gonio, here, folder):
+    """Hold what the tutorial came to against the same by commands, to the bit."""
+    told = answer(gonio("plan", "--shots", 12, "--no-page", "-o", "cli.json", "--json"))
+    assert (folder / "cli.json").read_bytes() == (folder / "plan.json").read_bytes()
+    assert (
+        here["plan"].summary().items() <= {**told, "left_out": here["summary"]["left_out"]}.items()
+    )
+    twin = ("--sim", "--material", "satin", "--seed", 1)
+    told = answer(gonio("capture", *twin, "-o", "cli", "--json"))
+    assert told["frames"] == len(list((folder / "cli").rglob("*.dng")))
+    for frame in (folder / "cli" / "raw").rglob("*.dng"):
+        assert frame.read_bytes() == (folder / "night" / "raw" / frame.name).read_bytes()
+    told = answer(gonio("reduce", "cli", "--json"))
+    assert here["samples"].summary().items() <= told.items()
+    assert np.array_equal(CoreSamples.load("cli/samples.nc").value, here["samples"].value)
+    told = answer(gonio("reconstruct", "cli", "--steps", 2000, "--json"))
+    assert told["against_truth"][0]["eps8"] == here["versus"].eps8
+    weights = "model/weights.safetensors"
+    assert (folder / "cli" / weights).read_bytes() == (folder / "night" / weights).read_bytes()
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return api.Plan.make(3, criterion="Farthest")
+
+
+def test_what_is_of_the_core_goes_wherever_that_does(plan, tmp_path):
+    assert isinstance(plan, core_plan.Plan)
+    plan.save(tmp_path / "plan.json")
+    assert api.Plan.load(tmp_path / "plan.json") == plan
+    assert core_plan.Plan.load(tmp_path / "plan.json").sha256 == plan.sha256
+    assert issubclass(api.Session, core_session.Session)
+    light, view = from_degrees([10, 20], [0, 0]), from_degrees([30, 40], [0, 90])
+    samples = api.Samples.from_values(light, view, np.full((2, 3), 0.1), np.full((2, 3), 0.01))
+    samples.save(tmp_path / "samples.nc")
+    assert repr(api.Samples.load(tmp_path / "samples.nc")) == repr(samples)
+    samples.to_csv(tmp_path / "samples.csv")
+    read = api.Samples.load(tmp_path / "samples.csv").to_table()
+    assert read.r.tolist() == samples.to_table().r.tolist() == [0.1, 0.1]
+
+
+def test_things_tell_of_themselves_in_a_notebook(plan):
+    for shown, words in (
+        (plan._repr_html_(), ("estimated time", "9, 0.1% of the full set")),
+        (api.Material.load("satin")._repr_html_(), ("<figcaption>satin", "data:image/png;base64,")),
+    ):
+        assert all(word in shown for word in words)
+
+
+REFUSED = {
+    "a plan told twice how much": (lambda: api.Plan.make("all", hours=1), "--hours says how many"),
+    "options of the twin without it": (lambda: api.Session.capture(seed=1), "add that, or leave"),
+    "a rig that nobody named": (api.Session.capture, "which rig?"),
+    "a setting that is none": (
+        lambda: api.Samples.reconstruct(None, wieght=88),
+        "there is no setting 'wieght'; use weights, general, steps",
+    ),
+    "a setting of another estimator": (
+        lambda: api.Samples.reconstruct(None, estimator="prior", epochs=3),
+        "--epochs is an option of estimator paper, not of prior",
+    ),
+    "a material that is none": (lambda: api.Material.load("nylon"), "no such file, folder or"),
+    "sigma of what has none": (
+        lambda: api.Material.load("satin").sigma(None, None),
+        "satin: is no model, so its sigma is not known",
+    ),
+    "a shape that is none": (lambda: api.Material.load("satin").render("cube"), "use sphere, "),
+}
+
+
+@pytest.mark.parametrize(("ask", "says"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_done_is_refused_in_words(tmp_path, monkeypatch, ask, says):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadInputError, match=re.escape(says)):
+        ask()
+    assert not list(tmp_path.iterdir())
