@@ -1,6 +1,7 @@
 """Plan, run and complete gonioreflectometer measurements.
 
-The public names are offered lazily, so that ``import gonio`` and ``gonio --help`` stay quick.
+The public names are offered lazily, so that ``import gonio`` and ``gonio --help`` stay quick;
+`__init__.pyi` tells editors and type checkers of them.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from gonio.adaptive import Goal, Round
+    from gonio.api.beginning import Carried
     from gonio.api.following import Following, Tell
     from gonio.api.measuring import Measured
     from gonio.api.twin import TwinSettings
@@ -175,7 +176,7 @@ class CaptureRequest:
 
         return () if self.faults_path is None else load_faults(self.faults_path)
 
-    def _notes(self, carried: Any) -> dict[str, Any]:
+    def _notes(self, carried: Carried | None) -> dict[str, Any]:
         return {
             "sample": self.sample or (carried.described if carried else NOT_NOTED),
             "orientation": self.orientation,

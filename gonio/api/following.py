@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from gonio.adaptive import Round
     from gonio.journal import Journal
 
-Bars = Callable[[str], AbstractContextManager[Progress | None]]
+Bars = Callable[[str], AbstractContextManager[Progress]]
 """Makes the progress of a part of the work, by the part's name; entered while it goes on."""
 
 Tell = Callable[[str], None]
 """Told a line that a person should know, of what does not keep the work from going on."""
 
 
-def unseen(title: str) -> AbstractContextManager[None]:
+def unseen(title: str) -> AbstractContextManager[Progress]:
     """Follow nothing."""
-    return nullcontext()
+    return nullcontext(_untold)
 
 
 def as_warning(text: str) -> None:
@@ -36,7 +36,7 @@ def _unwatched(journal: Journal) -> AbstractContextManager[None]:
     return nullcontext()
 
 
-def _untold(what: object) -> None:
+def _untold(*what: object) -> None:
     pass
 
 
@@ -67,4 +67,4 @@ class Following:
     @classmethod
     def by(cls, progress: Progress | None) -> Following:
         """Follow every part by one function (done, total)."""
-        return cls(bars=lambda title: nullcontext(progress))
+        return cls(bars=lambda title: nullcontext(progress or _untold))

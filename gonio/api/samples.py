@@ -32,7 +32,7 @@ class Samples(core.Samples):
             When the file is missing or cannot be used.
         """
         if Path(path).suffix.lower() != _TABLE:
-            return super().load(path)
+            return cls.of(super().load(path))
         from gonio.tables import read_table
 
         return cls.of(read_table(path))

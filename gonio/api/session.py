@@ -12,7 +12,7 @@ from gonio.api.plan import path_of
 
 if TYPE_CHECKING:
     from gonio import plan as core_plan
-    from gonio.api.capturing import Ready
+    from gonio.api.capturing import CaptureRequest, Ready
     from gonio.api.material import Material
     from gonio.api.samples import Samples
     from gonio.api.told import Document
@@ -133,7 +133,19 @@ class Session(core.Session):
         return self._taken(self._request(None).resume(retake=True), progress, retake=True)
 
     def extend(
-        self, shots: int | None = None, *, progress: Progress | None = None, **choice: Any
+        self,
+        shots: int | None = None,
+        *,
+        criterion: str = "i-optimal",
+        weight: str = "alike",
+        candidates: str = "paper-81",
+        view_candidates: str | None = None,
+        light_candidates: str | None = None,
+        max_theta_deg: float | None = None,
+        prior: Path | str | None = None,
+        timing: Path | str | None = None,
+        bracket: str | None = None,
+        progress: Progress | None = None,
     ) -> Self:
         """Choose further shots by what was measured, and take them; return itself.
 
@@ -143,11 +155,12 @@ class Session(core.Session):
         ----------
         shots
             How many; by default 16, or fewer where fewer are left.
+        criterion, weight, candidates, view_candidates, light_candidates, max_theta_deg
+            By what to choose, and from what.
+        prior, timing, bracket
+            See `gonio.Plan.make`.
         progress
             Called with how much is done and how much there is.
-        choice
-            From what to choose, and by what: criterion, weight, candidates, view_candidates,
-            light_candidates, max_theta_deg, prior_path, timing_path, bracket.
 
         Raises
         ------
@@ -158,7 +171,13 @@ class Session(core.Session):
         from gonio.api.following import Following
         from gonio.api.planning import PlanRequest
 
-        go_on(self, PlanRequest(shots=shots, **choice), Following.by(progress).bars)
+        request = PlanRequest(
+            shots=shots, criterion=criterion.lower(), weight=weight.lower(),
+            candidates=candidates, view_candidates=view_candidates,
+            light_candidates=light_candidates, max_theta_deg=max_theta_deg,
+            prior_path=path_of(prior), timing_path=path_of(timing), bracket=bracket,
+        )  # fmt: skip
+        go_on(self, request, Following.by(progress).bars)
         return self.resume(progress=progress)
 
     def reduce(
@@ -221,7 +240,7 @@ class Session(core.Session):
 
         return session_document(self)
 
-    def _request(self, faults: Path | str | None) -> Any:
+    def _request(self, faults: Path | str | None) -> CaptureRequest:
         from gonio.api.capturing import CaptureRequest
 
         return CaptureRequest(output=self.root, sim=self.sim.is_dir(), faults_path=path_of(faults))

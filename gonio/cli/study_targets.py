@@ -69,11 +69,11 @@ def command(setting: Setting, *, activations: str | None) -> None:
     for section in sections:
         show_grids(section.title, section.grids)
     show_end(page, list(outcomes.values()))
-    every = {
+    eps8 = {
         name: {setting_name: asdict(one.errors) for setting_name, one in settings.items()}
         for name, settings in ranked.items()
     }
-    answer({"page": page, "eps8": every, "trainings": [one.row() for one in outcomes.values()]})
+    answer({"page": page, "eps8": eps8, "trainings": [one.row() for one in outcomes.values()]})
 
 
 def _rank(designed: dict[str, list[Job]], outcomes: dict[str, Outcome]) -> dict[str, Ranked]:

@@ -38,10 +38,22 @@ ASKED = {
     "materials": ((), ("materials",), "anisotropy"),
     "export": (("satin", "--to", "csv"), ("eps8", "file_bytes"), "read back"),
     "rig check": (("--sim",), ("findings",), "all is well"),
-    "study dynamics": (
-        ("--methods", "exponential", "--cases", "step", "--days", 0.05),
-        ("race", "bounds"),
-        "bounds hold",
+    "study activations": (
+        (
+            "satin",
+            "--subsets",
+            "vs-is",
+            "--seeds",
+            1,
+            "--steps",
+            5,
+            "--networks",
+            "3-6-4",
+            "--activations",
+            "softsign",
+        ),
+        ("tables", "trainings"),
+        "1 trainings",
     ),
 }
 
