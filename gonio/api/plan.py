@@ -88,8 +88,8 @@ class Plan(core.Plan):
     @classmethod
     def of(cls, plan: core.Plan) -> Self:
         """Return a plan of the core with what this one can."""
-        made: Self = cls.model_construct(plan.model_fields_set, **dict(plan))
-        return made
+        # of the schema there is only one
+        return cls.model_validate({name: each for name, each in plan if name != "schema_"})
 
     def capture(self, folder: Path | str = "session", **options: Any) -> Session:
         """Measure it into a new session (see `gonio.Session.capture` for the options)."""
