@@ -16,6 +16,8 @@ release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 # attributes of named tuples are members as well; named once
 napoleon_use_ivar = True
+# single backticks in docstrings are names and values
+default_role = "literal"
 html_theme = "furo"
 html_title = "gonio"
 exclude_patterns = ["_build"]

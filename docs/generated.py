@@ -8,6 +8,8 @@ import click
 from gonio import errors
 from gonio.cli._main import cli
 
+_WIDTH = 88  # letters of a line that a page shows whole
+
 COMMANDS = """# Commands
 
 What `gonio COMMAND --help` prints. Options are alike in all of them: `-o` names what is written,
@@ -28,7 +30,7 @@ on standard error, and an exit code. A traceback is a defect of gonio.
 | 3 | a fault of a device or of the disk |
 | 4 | a session that cannot be gone on with |
 | 130, 143 | Ctrl-C, or SIGTERM: stopped in order, what was finished is kept |
-| 141 | nobody reads on, as in `gonio materials | head -3` |
+| 141 | nobody reads on, as in `gonio materials \\| head -3` |
 
 """
 
@@ -57,7 +59,7 @@ def every(command, path):
 
 
 def section(path, command):
-    context = click.Context(command, info_name=path, max_content_width=100, terminal_width=100)
+    context = click.Context(command, info_name=path, max_content_width=_WIDTH, terminal_width=_WIDTH)
     level = "#" * len(path.split())
     return f"{level} {path}\n\n```text\n{command.get_help(context)}\n```\n"
 
