@@ -50,20 +50,44 @@ class Plan(core.Plan):
 
         Parameters
         ----------
-        density, views, lights
-            How many directions: `all`, `sixth` (the default) or a number.
-        shots, hours
-            Rather how many pairs to choose freely, or how long they may take.
-        criterion, weight, seed
-            How pairs are chosen, and how much each counts.
-        candidates, view_candidates, light_candidates, max_theta_deg
-            The directions to choose from.
-        scene, material, isotropic, mono
-            How the material will be used.
-        prior, rig, timing
-            Files; by default the generated prior, the built-in rig, and the timing that is found.
-        bracket, anchors
-            Exposures of a shot, and how often one pair is taken again.
+        density
+            How many views and lights: `all`, `sixth` (the default), a number, or `va-is` and such.
+        views, lights
+            The same for one side alone.
+        shots
+            Rather so many pairs, chosen freely.
+        hours
+            Rather as many pairs as the rig can take in so many hours.
+        criterion
+            How they are chosen: i-optimal, d-optimal, energy, farthest, random.
+        weight
+            How much a pair counts: alike, or by the cosine of both directions.
+        candidates
+            The directions to choose from: paper-81, klems, rings:0x1,30x8, fibonacci:300, a file.
+        view_candidates, light_candidates
+            The same for one side alone.
+        max_theta_deg
+            The angle beyond which directions are left out.
+        scene
+            A file of how the material will be used; `material` is its id in a Mitsuba scene.
+        material
+            See `scene`.
+        isotropic
+            Whether the material has no grain.
+        mono
+            Whether color does not count.
+        prior
+            A file of what materials look like; by default generated ones.
+        rig
+            A rig's file; by default the built-in rig.
+        timing
+            What the rig takes, from gonio rig bench; by default what is found here.
+        bracket
+            Exposures of a shot: all, or predicted, the fewest that show it.
+        anchors
+            Before how many shots one pair is taken again; by default never.
+        seed
+            Of the random criterion.
         progress
             Called with how much is done and how much there is.
 

@@ -63,16 +63,38 @@ class Session(core.Session):
             It or its file; by default plan.json where there is one, else density sixth.
         folder
             The session's; one that is there is never overwritten.
-        sim, material, seed, imperfections, faults, rehearse
-            The simulated twin, what it carries, and what goes wrong with it.
+        sim
+            Whether to measure on the simulated twin; else `rig` is needed.
+        material
+            What the twin carries: a name of gonio materials, or a file.
+        seed
+            Of all noise of the twin.
+        imperfections
+            How far the twin is from ideal: none, mild, all, or a file.
+        faults
+            A file of what goes wrong with the twin, and when.
+        rehearse
+            Whether the twin goes through the motions without a picture.
         rig
-            A rig's file, needed without `sim`.
-        adaptive, until, batch, max_shots, hours, prior
-            Rounds of measuring and choosing, and when they end.
-        calibration, max_age_days
-            Folder of the camera's calibration, and how old that may be.
-        sample, orientation, mounting, operator, temperature_c
-            Notes.
+            A rig's file.
+        adaptive
+            Whether to choose further shots by what was measured, round by round.
+        until
+            Mean posterior standard deviation at which that ends.
+        batch
+            Shots of a round.
+        max_shots, hours
+            Shots, or hours of the rig, at which that ends.
+        prior
+            A file of what materials look like, for choosing.
+        calibration
+            Folder of the camera's calibration.
+        max_age_days
+            How old that may be.
+        sample, orientation, mounting, operator
+            Notes, for whoever reads the session years later.
+        temperature_c
+            The room's, a note as well.
         progress
             Called with how much is done and how much there is.
 
