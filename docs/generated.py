@@ -59,7 +59,8 @@ def every(command, path):
 
 
 def section(path, command):
-    context = click.Context(command, info_name=path, max_content_width=_WIDTH, terminal_width=_WIDTH)
+    wide = {"max_content_width": _WIDTH, "terminal_width": _WIDTH}
+    context = click.Context(command, info_name=path, **wide)
     level = "#" * len(path.split())
     return f"{level} {path}\n\n```text\n{command.get_help(context)}\n```\n"
 

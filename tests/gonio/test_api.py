@@ -2,9 +2,11 @@
 
 import ast
 import contextlib
+import inspect
 import io
 import json
 import re
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -119,6 +121,34 @@ def test_things_tell_of_themselves_in_a_notebook(plan):
         (api.Material.load("satin")._repr_html_(), ("<figcaption>satin", "data:image/png;base64,")),
     ):
         assert all(word in shown for word in words)
+
+
+ALIKE = {
+    # command, function, options of files that it draws or of what has a function of its own
+    "plan": (
+        api.Plan.make,
+        {"continued", "output", "page", "pareto", "plot", "plot_demand"},
+    ),
+    "capture": (api.Session.capture, {"resume", "retake"}),
+}
+RENAMED = {"output": "folder"}
+
+
+@pytest.mark.parametrize("name", ALIKE)
+def test_arguments_are_named_as_options_and_have_their_defaults(name):
+    function, without = ALIKE[name]
+    arguments = dict(inspect.signature(function).parameters)
+    options = import_module(f"gonio.cli.{name}").command.make_context(name, []).params
+    of_both = {
+        RENAMED.get(option, option.removesuffix("_path")): default
+        for option, default in options.items()
+        if option not in without | {"as_json"}
+    }
+    assert of_both.keys() == arguments.keys() - {"progress"}
+    for argument, default in of_both.items():
+        known = "sixth" if argument == "density" else arguments[argument].default
+        # a flag that is not set is None where the command asks whether it was
+        assert (default or None) == (known or None), argument
 
 
 REFUSED = {
