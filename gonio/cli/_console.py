@@ -57,4 +57,5 @@ def _lines(title: str, screen: Console) -> Report:
 
 def note(text: str) -> None:
     """Tell a person what does not keep the work from going on."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"note: {text}", markup=False)
+    # not on standard error, where an error stays the one line that there is
+    console.print(f"note: {text}", markup=False)

@@ -113,7 +113,7 @@ def test_one_that_does_not_fit_is_refused_when_named_and_ignored_when_found(
     assert not (folder / "plan.json").exists()
     found = gonio(*options)
     assert found.returncode == 0, found.stderr
-    assert found.stderr.startswith("note: not used: rig-timing.json")
+    assert found.stdout.startswith("note: not used: rig-timing.json")
     assert Plan.load(folder / "plan.json").estimates.timing_sha256 is None
 
 
