@@ -1,6 +1,7 @@
 """Plan, run and complete gonioreflectometer measurements.
 
-The public names are offered lazily, so that ``import gonio`` and ``gonio --help`` stay quick.
+The public names are offered lazily, so that ``import gonio`` and ``gonio --help`` stay quick;
+`__init__.pyi` tells editors and type checkers of them.
 """
 
 from __future__ import annotations
@@ -13,12 +14,12 @@ __version__ = "0.1.0"
 _HOME = {
     "Clock": "gonio.clock",
     "GonioError": "gonio.errors",
-    "Material": "gonio.protocols",
+    "Material": "gonio.api.material",
     "MeasuredTable": "gonio.materials",
-    "Plan": "gonio.plan",
+    "Plan": "gonio.api.plan",
     "Rig": "gonio.rig",
-    "Samples": "gonio.samples",
-    "Session": "gonio.session",
+    "Samples": "gonio.api.samples",
+    "Session": "gonio.api.session",
     "Shot": "gonio.plan",
     "default_rig": "gonio.rig",
     "load_rig": "gonio.rig",

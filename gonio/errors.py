@@ -10,13 +10,24 @@ if TYPE_CHECKING:
 
 
 class GonioError(Exception):
-    """Anything gonio reports to a person; `exit_code` is what the command line ends with."""
+    """Anything gonio reports to a person.
+
+    Attributes
+    ----------
+    exit_code
+        What the command line ends with.
+    advice
+        What to do about any of its kind; the line itself says what to do about this one.
+    """
 
     exit_code = 2
+    advice = "Do what the end of the line says."
 
 
 class BadInputError(GonioError):
     """A value, option or direction that cannot be used."""
+
+    advice = "Correct what the line names; `--help` of the command tells what is allowed."
 
 
 class BadFileError(BadInputError):
@@ -32,6 +43,8 @@ class BadFileError(BadInputError):
         What to do.
     """
 
+    advice = "Make the file again with the command that the line names, or put a copy of it back."
+
     def __init__(self, path: Path | str, problem: str, remedy: str) -> None:
         super().__init__(f"{path}: {problem}; {remedy}")
         self.path = path
@@ -39,6 +52,8 @@ class BadFileError(BadInputError):
 
 class NothingLeftError(BadInputError):
     """Every pair that the rig can take has been measured."""
+
+    advice = "Be content, or name other directions with `--candidates`."
 
     def __init__(self) -> None:
         super().__init__(
@@ -50,6 +65,8 @@ class NothingLeftError(BadInputError):
 class MissingExtraError(GonioError):
     """A command needs a package of an extra that is not installed."""
 
+    advice = "Install the extra that the line names: `pip install 'gonio[...]'`."
+
     def __init__(self, package: str, extra: str) -> None:
         super().__init__(
             f"this needs {package}, which is not installed; run: pip install 'gonio[{extra}]'"
@@ -60,18 +77,37 @@ class DeviceFaultError(GonioError):
     """A drive, lamp, camera or bus did not do what it was told."""
 
     exit_code = 3
+    advice = (
+        "Look the rig over with `gonio rig check`, mend what it finds, and go on with "
+        "`gonio capture --resume`."
+    )
 
 
 class FrameLostError(DeviceFaultError):
     """The file of an exposure did not come, or is of no use; the rig itself is well."""
 
+    advice = (
+        "Nothing of a single one, which a capture takes again. Of many, check the camera's card, "
+        "cable and folder."
+    )
+
 
 class TransportTimeoutError(DeviceFaultError):
     """A device did not answer in time; whether it acted is unknown."""
 
+    advice = (
+        "Check the device's power, its cable, and its unit or port in the rig file; then "
+        "`gonio rig check`."
+    )
+
 
 class TransportLostError(DeviceFaultError):
     """The port or connection to a device is gone; whether it acted is unknown."""
+
+    advice = (
+        "Plug it in again and see that no other program holds the port; then go on with "
+        "`gonio capture --resume`."
+    )
 
 
 _BUSY: Final = "it is busy: see its manual"
@@ -88,6 +124,8 @@ class RegisterError(DeviceFaultError):
         The Modbus exception code (1 function, 2 address, 3 value, 0x0B no such unit).
     """
 
+    advice = "Compare the rig file's profile and unit with the drive's manual."
+
     def __init__(self, unit: int, address: int, code: int) -> None:
         remedy = _REMEDIES.get(code, "compare the rig file's profile with the drive's manual")
         super().__init__(
@@ -100,6 +138,7 @@ class StorageError(GonioError):
     """A file could not be written: disk full, no permission, a folder in the way."""
 
     exit_code = 3
+    advice = "Free some space, or name a folder that can be written; then run the command again."
 
     @classmethod
     def from_os(cls, path: Path | str, error: OSError) -> StorageError:
@@ -114,3 +153,7 @@ class ResumeRefusedError(GonioError):
     """A session cannot be continued, since what it was made with differs from what is here."""
 
     exit_code = 4
+    advice = (
+        "Go on as the session was begun, or put back what was changed; else measure anew into "
+        "another folder with `-o`."
+    )

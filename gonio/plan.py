@@ -214,9 +214,9 @@ class Plan(Document):
         named = self.selection.model_copy(update={"demand": what, "demand_sha256": sha256})
         return self.model_copy(update={"selection": named})
 
-    def save(self, path: Path) -> None:
+    def save(self, path: Path | str) -> None:
         """Write the plan with its hash, whole or not at all."""
-        write_json(path, self._content() | {"sha256": self.sha256})
+        write_json(Path(path), self._content() | {"sha256": self.sha256})
 
     @classmethod
     def load(cls, path: Path | str, *, remedy: str = _REMEDY) -> Plan:

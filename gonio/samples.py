@@ -198,10 +198,10 @@ class Samples:
         if self.patch_mm is not None and not 0 < self.patch_mm < np.inf:
             raise BadInputError(f"samples: patch_mm is {self.patch_mm:g}, no positive number")
 
-    def save(self, path: Path) -> None:
+    def save(self, path: Path | str) -> None:
         """Write netCDF-4, whole or not at all (layout: docs/topics/files.md)."""
         # through memory: on a full disk, HDF5 itself prints tracebacks and names no reason
-        write_bytes(path, bytes(self._dataset().to_netcdf(engine="h5netcdf")))
+        write_bytes(Path(path), bytes(self._dataset().to_netcdf(engine="h5netcdf")))
 
     @classmethod
     def load(cls, path: Path | str) -> Samples:

@@ -9,7 +9,7 @@ import shlex
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 from gonio.errors import BadFileError, BadInputError, ResumeRefusedError, StorageError
 from gonio.files import write_json
@@ -48,7 +48,7 @@ class Session:
     root: Path
 
     @classmethod
-    def open(cls, root: Path, *, measuring: bool = False) -> Session:
+    def open(cls, root: Path | str = DEFAULT_ROOT, *, measuring: bool = False) -> Self:
         """Open an existing session, of which nothing has changed that its journal vouches for.
 
         Parameters
@@ -65,6 +65,7 @@ class Session:
         gonio.errors.ResumeRefusedError
             When its journal, a plan, its rig or its white reference is not what it was.
         """
+        root = Path(root)
         session = cls(root)
         if not root.is_dir():
             raise BadFileError(root, "no such folder", _REMEDY)

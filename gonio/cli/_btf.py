@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from gonio.cli._console import console, progress_bar
+from gonio.cli._json import answer
 from gonio.reduce.btf import btf_path, reduce_btf
 from gonio.reduce.color import keep_color
 from gonio.reduce.poses import keep_geometry
@@ -48,3 +49,12 @@ def reduce_to_texels(
     lights, views, side = btf.group["value"].shape[:3]
     console.print(f"{lights} lights x {views} views, {side} x {side} texels, {duration(seconds)}")
     console.print(f"texels: {btf_path(session)}")
+    answer(
+        {
+            "folder": btf_path(session),
+            "lights": lights,
+            "views": views,
+            "texels_along_side": side,
+            "took_s": seconds,
+        }
+    )

@@ -53,3 +53,9 @@ def _lines(title: str, screen: Console) -> Report:
             screen.print(f"{title}: {done} of {total} after {duration(now - began)}")
 
     return report
+
+
+def note(text: str) -> None:
+    """Tell a person what does not keep the work from going on."""
+    # not on standard error, where an error stays the one line that there is
+    console.print(f"note: {text}", markup=False)

@@ -45,6 +45,7 @@ COMMANDS = {
     "sim": "Serve the simulated rig over real wires, and act on it.",
     "study": "Rerun the paper's experiment on any material: activations, encodings, ...",
     "materials": "Show the materials that the simulated rig can carry.",
+    "completion": "Print the script by which your shell completes gonio.",
 }
 
 
@@ -81,9 +82,9 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     try:
         cli.main(prog_name="gonio", standalone_mode=False)
-    except SystemExit:
-        # click and rich leave so, with 1, at a broken pipe; nothing else here does
-        sys.exit(_NOBODY_READS)
+    except SystemExit as left:
+        # click and rich leave so, with 1, at a broken pipe; a completion does, with 0
+        sys.exit(_NOBODY_READS if left.code else 0)
     except click.exceptions.Exit as exit_:
         sys.exit(exit_.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:

@@ -10,13 +10,19 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from gonio.cli._json import answer
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     from gonio.report.sweep import Compared
     from gonio.rig import Rig
 
+_HEAD = (
+    "criterion", "side", "pairs", "shots", "acquisition_s", "expected_error", "planning_s",
+    "on_front", "knee",
+)  # fmt: skip
 ABOUT = (
     "The expected error is the standard deviation of ln(BRDF) that is left under the prior once a "
     "design's pairs are measured, root mean square over all pairs of candidates, isotropic "
@@ -80,23 +86,29 @@ def write_pareto(
         click.echo(f"no {design.label} by {design.criterion}: {why}")
     click.echo(compared.learned())
     console.print(f"table: {table}\npage:  {page}")
+    designs_found = [dict(zip(_HEAD, row, strict=True)) for row in _rows(compared)]
+    answer({"table": table, "page": page, "designs": designs_found, "notes": dict(notes)})
+
+
+def _rows(compared: Compared) -> Iterator[tuple[Any, ...]]:
+    for each in compared.sweep.outcomes:
+        yield (
+            each.design.criterion, each.design.side, each.design.pairs, each.shots, each.seconds,
+            each.error, each.planning_s, each in compared.front, each is compared.knee,
+        )  # fmt: skip
 
 
 def _write_table(path: Path, compared: Compared) -> None:
     from gonio.files import write_bytes
 
-    head = (
-        "criterion", "side", "pairs", "shots", "acquisition_s", "expected_error", "planning_s",
-        "on_front", "knee",
-    )  # fmt: skip
-    rows: list[tuple[Any, ...]] = [
+    rows = [
         (
-            each.design.criterion, each.design.side or "", each.design.pairs or "", each.shots,
-            f"{each.seconds:.1f}", f"{each.error:.6f}", f"{each.planning_s:.3f}",
-            int(each in compared.front), int(each is compared.knee),
+            criterion, side or "", pairs or "", shots, f"{seconds:.1f}", f"{error:.6f}",
+            f"{planning_s:.3f}", int(on_front), int(knee),
         )
-        for each in compared.sweep.outcomes
+        for criterion, side, pairs, shots, seconds, error, planning_s, on_front, knee
+        in _rows(compared)
     ]  # fmt: skip
     buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerows([head, *rows])
+    csv.writer(buffer, lineterminator="\n").writerows([_HEAD, *rows])
     write_bytes(path, buffer.getvalue().encode())

@@ -53,3 +53,10 @@ def draw_plan(plan: Plan, path: Path, views: Candidates, lights: Candidates) -> 
         title = f"{name}s: {len(angles)} of {len(candidates)}"
         chosen[title] = from_degrees(theta_deg, phi_deg), candidates.directions
     save_hemispheres(path, chosen)
+
+
+def draw_demand(pairs: LocalPairs, path: Path) -> None:
+    """Draw what a scene asks for."""
+    from gonio.report.demand import save_demand
+
+    save_demand(path, pairs.light, pairs.view, pairs.weight)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from typing import TYPE_CHECKING, Literal
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Literal
 
 from gonio.cli._console import console
+from gonio.cli._json import answer
 from gonio.files import write_bytes
 from gonio.words import duration
 from nnbrdf.studies.export import write_outcomes, write_table
@@ -51,6 +53,8 @@ def conclude(
     for section in summary:
         show_grids(section.title, section.grids)
     show_end(page, outcomes)
+    every = [asdict(table) for of_metric in tables.values() for table in of_metric]
+    answer({"page": page, "tables": every, "trainings": [each.row() for each in outcomes]})
 
 
 def write_trainings(setting: Setting, study: str, outcomes: Sequence[Outcome]) -> None:
@@ -82,6 +86,14 @@ def show_grids(material: str, grids: Sequence[Grid]) -> None:
         roomy = console.options.update(max_width=_WIDEST)
         width = max(console.width, Measurement.get(console, roomy, screen).maximum)
         Console(width=width, highlight=False).print(screen)
+
+
+def grids_document(grids: Sequence[Grid]) -> list[dict[str, Any]]:
+    """Return tables that are of words already, for the answer."""
+    return [
+        {"title": grid.title, "head": grid.head, "rows": [line.cells for line in grid.lines]}
+        for grid in grids
+    ]
 
 
 def show_end(page: Path, outcomes: Sequence[Outcome]) -> None:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from gonio.cli._json import answer, answers
+
 
 @click.command(name="fit")
 @click.argument("root", metavar="[SESSION]", type=click.Path(path_type=Path), default="session")
@@ -21,6 +23,7 @@ import click
     help="Batches of 32 to train each texel for, from the network of the mean material.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@answers
 def command(*, root: Path, side: int | None, steps: int, seed: int) -> None:
     """Train an NN-BRDF of 88 weights for each texel of SESSION's btf.zarr.
 
@@ -52,3 +55,11 @@ def command(*, root: Path, side: int | None, steps: int, seed: int) -> None:
     console.print(f"relit picture that was held out: off by {error:.1%} of its mean")
     console.print(f"weights: {folder / 'weights.npz'}")
     console.print(f"relit: {folder / 'relit.png'}")
+    answer(
+        {
+            "folder": folder,
+            "texels_along_side": texels.side,
+            "relit_relative_error": error,
+            "took_s": seconds,
+        }
+    )

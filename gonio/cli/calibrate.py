@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._imperfections import imperfections_option
+from gonio.cli._json import answer, answers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,6 +44,7 @@ _FAR_ENOUGH = 0.7
     show_default=True,
     help="The calibration's folder; an existing one is never overwritten.",
 )
+@answers
 def command(
     *,
     sim: bool,
@@ -87,6 +89,8 @@ def command(
             "camera.exposures_s"
         )
     console.print("next: " + shlex.join(["gonio", "capture", "--calibration", str(output)]))
+    found = document.model_dump(mode="json", exclude={"schema_"})
+    answer({"folder": output, "sha256": document.sha256, **found})
 
 
 def _calibrated(rig: Rig, twin: tuple[int, str] | None, output: Path) -> CalibrationDocument:
@@ -126,7 +130,7 @@ def _driven(
         with hardware(rig) as (instrument, operator):
             yield instrument, operator, None
         return
-    from gonio.cli._twin import simulated_rig, twin_identity
+    from gonio.api.twin import simulated_rig, twin_identity
     from sim.imperfections import load_imperfections
 
     seed, wanted = twin[0], load_imperfections(twin[1])

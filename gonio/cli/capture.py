@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from gonio.cli._imperfections import imperfections_option
-
-if TYPE_CHECKING:
-    from sim.faults import Fault
-
-_OF_THE_TWIN = {
-    "material": "--material",
-    "seed": "--seed",
-    "faults_path": "--faults",
-    "imperfections": "--imperfections",
-    "rehearse": "--rehearse",
-}
+from gonio.cli._json import answers
 
 
 def _material(text: str) -> str:
@@ -124,33 +114,8 @@ def _material(text: str) -> str:
 @click.option("--mounting", default="flat in the holder", show_default=True)
 @click.option("--operator", default="not noted", show_default=True, help="Who measures.")
 @click.option("--temperature", "temperature_c", type=float, help="Room temperature in deg C.")
-def command(
-    *,
-    sim: bool,
-    material: str | None,
-    seed: int | None,
-    imperfections: str | None,
-    faults_path: Path | None,
-    rehearse: bool | None,
-    plan_path: Path | None,
-    rig_path: Path | None,
-    output: Path,
-    resume: bool,
-    retake: bool,
-    adaptive: bool,
-    until: float | None,
-    batch: int | None,
-    max_shots: int | None,
-    hours: float | None,
-    prior_path: Path | None,
-    calibration_path: Path | None,
-    max_age_days: float | None,
-    sample: str | None,
-    orientation: str,
-    mounting: str,
-    operator: str,
-    temperature_c: float | None,
-) -> None:
+@answers
+def command(*, resume: bool, retake: bool, plan_path: Path | None, **options: Any) -> None:
     """Measure a plan: dark frames, the white reference at 0:45, then every shot.
 
     On a real rig, its file says where arm, lamps and camera are; look it over first with gonio rig
@@ -172,69 +137,14 @@ def command(
         gonio capture --resume -o leather/
         gonio capture --retake -o leather/
     """  # noqa: D301
-    from gonio.capture.retake import flagged
-    from gonio.cli._adaptive import Wish, measure_adaptively
-    from gonio.cli._begin import Carried, begun
-    from gonio.cli._calibration import asked_for
-    from gonio.cli._measure import NOT_NOTED, driven, measure
-    from gonio.cli._rehearsal import check_begun_so, check_shown_nothing
-    from gonio.cli._resume import refuse_notes, resumed
-    from gonio.cli._retake import without_suspects
+    from gonio.api.capturing import CaptureRequest
+    from gonio.cli._console import note
+    from gonio.cli._ending import take
+    from gonio.cli._resume_notes import refuse_notes
 
-    said = {"until": until, "batch": batch, "max_shots": max_shots, "hours": hours}
-    wish = Wish.of(said, prior_path, adaptive=adaptive)
-    resume = resume or retake
-    _check_options(sim=sim, resume=resume, rig_path=rig_path)
-    if rehearse:
-        check_shown_nothing(material, adaptive=adaptive)
-    faults = _faults(faults_path)
-    calibration = asked_for(calibration_path, max_age_days, resume=resume)
-    if resume:
+    request = CaptureRequest(plan=plan_path, **options)
+    if resume or retake:
         refuse_notes()
-        asked = (material, seed, imperfections)
-        session, twin = resumed(output, plan_path, rig_path, asked, sim=sim)
-        if rehearse:
-            check_begun_so(session)
-        goal = wish.going_on(session)
-        if retake:
-            flagged(session)  # one without checks is refused before anything moves
+        take(request.resume(retake=retake), retake=retake)
     else:
-        carried = Carried.of(material, seed, imperfections) if sim else None
-        notes = {
-            "sample": sample or (carried.described if carried else NOT_NOTED),
-            "orientation": orientation,
-            "mounting": mounting,
-            "operator": operator,
-            "temperature_c": temperature_c,
-            "rehearsal": bool(rehearse),
-        }
-        goal = wish.goal()
-        session = begun(output, plan_path, rig_path, carried, notes, goal, calibration)
-        twin = carried.settings if carried else None
-    rig = driven(session, twin, faults)
-    if retake:
-        rig = without_suspects(session, rig)
-    if goal is None:
-        measure(session, rig)
-    else:
-        measure_adaptively(session, rig, goal)
-
-
-def _check_options(*, sim: bool, resume: bool, rig_path: Path | None) -> None:
-    """Refuse options of the twin without it, and a real rig that nobody has named."""
-    from gonio.errors import BadInputError
-
-    context = click.get_current_context()
-    for name, option in _OF_THE_TWIN.items():
-        if not sim and context.params[name] is not None:
-            raise BadInputError(f"{option} is an option of --sim; add that, or leave it out")
-    if not (sim or resume or rig_path):
-        raise BadInputError(
-            "which rig? give its file with --rig, or add --sim to measure on the simulated one"
-        )
-
-
-def _faults(path: Path | None) -> tuple[Fault, ...]:
-    from sim.faults import load_faults
-
-    return () if path is None else load_faults(path)
+        take(request.begin(note), retake=False)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="The file of what was found, and a picture of the same name; replaced where they are.",
 )
+@answers
 def command(
     *,
     roots: tuple[Path, ...],
@@ -81,8 +84,18 @@ def command(
     for matrix in found.charts:
         console.print(_table(matrix))
         console.print(_summary(matrix))
-    _tell_true(sessions[0], found)
+    off = _off_true(sessions[0], found)
+    if off is not None:
+        console.print(f"of the twin's own matrix, no element is off by more than {off:.4f}")
     console.print(f"color: {output}, picture: {output.with_suffix('.png')}")
+    answer(
+        {
+            "file": output,
+            "picture": output.with_suffix(".png"),
+            "largest_off_true": off,
+            **found.model_dump(mode="json", exclude={"schema_"}),
+        }
+    )
 
 
 def _corners(text: str | None) -> tuple[tuple[float, float], ...] | None:
@@ -126,16 +139,14 @@ def _summary(matrix: ChartMatrix) -> str:
     )
 
 
-def _tell_true(session: Session, found: ColorFile) -> None:
-    """Say how far the matrix is from the one that the session's twin was made with."""
+def _off_true(session: Session, found: ColorFile) -> float | None:
+    """Return how far the matrix is from the one that the session's twin was made with."""
     if not session.sim.is_dir():
-        return
+        return None
     import numpy as np
 
-    from gonio.cli._console import console
     from gonio.color import XYZ_FROM_SRGB
     from sim.sensor import CAMERA_FROM_SRGB, CAMERA_NEUTRAL
 
     true = XYZ_FROM_SRGB @ np.linalg.inv(CAMERA_FROM_SRGB / CAMERA_NEUTRAL[:, None])
-    off = np.abs(found.charts[0].matrix - true).max()
-    console.print(f"of the twin's own matrix, no element is off by more than {off:.4f}")
+    return float(np.abs(found.charts[0].matrix - true).max())

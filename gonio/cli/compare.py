@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from gonio.cli._materials import Opened
+    from gonio.api.opened import Opened
     from gonio.report.versus import Versus
 
 _SHAPES = ("sphere", "drape")
@@ -32,15 +34,8 @@ _SIZE_PX, _LIGHTS = 160, 96
     show_default=True,
     help="The page.",
 )
-@click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
-    help="Print the table as JSON, with the pairs that differ most.",
-)
-def command(
-    *, sources: tuple[str, ...], truth: str | None, output: Path, as_json: bool
-) -> None:  # fmt: skip
+@answers
+def command(*, sources: tuple[str, ...], truth: str | None, output: Path) -> None:
     """Hold materials against the first: errors, maps, lobes and renders.
 
     Each is a session's folder with a model, a model's folder, a file that gonio import reads, or a
@@ -64,14 +59,14 @@ def command(
     reference, *others = rows
     found = _versus(reference, others)
     _write(output, rows, found)
-    _show(output, reference, found, as_json=as_json)
+    _show(output, reference, found)
 
 
 def _rows(sources: Sequence[str], truth: str | None) -> list[Opened]:
     """Return the materials, the reference first."""
     from dataclasses import replace
 
-    from gonio.cli._materials import distinct, open_material, truth_in
+    from gonio.api.opened import distinct, open_material, truth_in
 
     first = [] if truth is None else [replace(truth_in(truth), name="truth")]
     return distinct([*first, *map(open_material, sources)])
@@ -92,7 +87,8 @@ def _versus(reference: Opened, others: Sequence[Opened]) -> list[Versus]:
 
 
 def _write(output: Path, rows: Sequence[Opened], found: Sequence[Versus]) -> None:
-    from gonio.cli._rendering import Scene
+    from gonio.api.rendering import Scene
+    from gonio.cli._console import progress_bar
     from gonio.report.compared_page import write_comparison
 
     scene = Scene.of(_SHAPES, "studio", _SIZE_PX, _LIGHTS)
@@ -102,21 +98,15 @@ def _write(output: Path, rows: Sequence[Opened], found: Sequence[Versus]) -> Non
         {one.name: one.material for one in rows},
         {one.name: one.table for one in rows},
         found,
-        scene.sheet(rows, scores, stops=0.0),
+        scene.sheet(rows, scores, 0.0, progress_bar),
     )
 
 
-def _show(output: Path, reference: Opened, found: Sequence[Versus], *, as_json: bool) -> None:
-    import json
-
+def _show(output: Path, reference: Opened, found: Sequence[Versus]) -> None:
     from gonio.cli._console import console
     from gonio.cli._study_end import show_grids
     from gonio.report.versus import documents, versus_grid
 
-    if as_json:
-        document = documents(reference.name, reference.table.white, found)
-        click.echo(json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False))
-        return
     show_grids("compare", [versus_grid(reference.name, found)])
     for one in found:
         pair = one.worst[0]
@@ -126,3 +116,4 @@ def _show(output: Path, reference: Opened, found: Sequence[Versus], *, as_json: 
             f"{pair.view_theta_deg:g}, {pair.view_phi_deg:g} deg"
         )
     console.print(f"page: {output}")
+    answer({**documents(reference.name, reference.table.white, found), "page": output})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gonio.cli._formats import ListingFormats
+from gonio.cli._json import answer, answers
 
 if TYPE_CHECKING:
     from gonio.exchange import Exported, Format, Source
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     help="Write the mean over all turns of the sample about its normal: for formats that hold "
     "isotropic materials only, or for smaller files.",
 )
+@answers
 def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> None:
     """Write a material in the format of another program.
 
@@ -45,8 +47,8 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
         gonio export session/ --to merl --isotropic
         gonio export table.npz --to klems
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from gonio.api.opened import source_named
     from gonio.cli._console import console, progress_bar
-    from gonio.cli._materials import source_named
     from gonio.exchange import export, format_named
 
     format_ = format_named(name)
@@ -57,6 +59,7 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
     with progress_bar(f"writing {format_.name}") as progress:
         exported = export(source, format_, path, progress)
     console.print(_said(exported, path))
+    answer(_document(exported, path))
 
 
 def _default(what: str, source: Source, format_: Format) -> Path:
@@ -66,6 +69,20 @@ def _default(what: str, source: Source, format_: Format) -> Path:
     if path.exists() and Path(what).exists() and path.samefile(what):
         raise BadInputError(f"{path}: is what is to be exported; name the new file with -o")
     return path
+
+
+def _document(exported: Exported, path: Path) -> dict[str, object]:
+    format_ = exported.format
+    return {
+        "file": path,
+        "file_bytes": path.stat().st_size,
+        "format": format_.name,
+        "keeps": format_.keeps,
+        "loses": format_.loses,
+        "notes": exported.notes,
+        "eps8": exported.eps8,
+        "male": exported.male,
+    }
 
 
 def _said(exported: Exported, path: Path) -> str:

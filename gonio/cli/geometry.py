@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="The file of what was found; one that is there is replaced.",
 )
+@answers
 def command(*, root: Path, output: Path) -> None:
     """Find the camera's intrinsics and the view arm's axes from the board in SESSION's shots.
 
@@ -51,16 +54,28 @@ def command(*, root: Path, output: Path) -> None:
         views = survey(session, progress)
     geometry = Geometry.of(rig, adjust(rig.camera, views))
     geometry.save(output)
-    console.print(_table(geometry, _true(session)))
+    true = _true(session)
+    console.print(_table(geometry, true))
     console.print(_residuals(geometry, len(views)))
     console.print(f"geometry: {output}")
+    answer(
+        {
+            "file": output,
+            "found": geometry.values,
+            "sigma": geometry.sigmas,
+            "injected": true,
+            "views_shown": len(views),
+            "residuals": geometry.residuals.model_dump(),
+            "within_limits": _within_limits(geometry),
+        }
+    )
 
 
 def _true(session: Session) -> dict[str, float] | None:
     """Return what the session's twin was made with; None of a real rig."""
     if not session.sim.is_dir():
         return None
-    from gonio.cli._twin import recall
+    from gonio.api.twin import recall
     from gonio.photogrammetry.model import DISTORTION, INTRINSICS
 
     camera = session.rig().camera
@@ -94,9 +109,14 @@ def _limit(name: str) -> float:
 
 def _residuals(geometry: Geometry, shown: int) -> str:
     left = geometry.residuals
-    within = left.corner_mm <= _limit("_mm") and left.angle_deg <= _limit("_deg")
+    verdict = "within limits" if _within_limits(geometry) else "BEYOND LIMITS"
     return (
         f"{left.corners} corners in {left.views} of {shown} views: {left.corner_px:.3f} px or "
         f"{left.corner_mm:.4f} mm (limit {_limit('_mm'):g}), angles {left.angle_deg:.4f} deg "
-        f"(limit {_limit('_deg'):g}): {'within limits' if within else 'BEYOND LIMITS'}"
+        f"(limit {_limit('_deg'):g}): {verdict}"
     )
+
+
+def _within_limits(geometry: Geometry) -> bool:
+    left = geometry.residuals
+    return left.corner_mm <= _limit("_mm") and left.angle_deg <= _limit("_deg")

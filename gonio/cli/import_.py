@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from gonio.cli._formats import ListingFormats
+from gonio.cli._json import answer, answers
 
 
 @click.command(name="import", cls=ListingFormats, writing=False)
@@ -24,6 +25,7 @@ from gonio.cli._formats import ListingFormats
     type=click.Path(dir_okay=False, path_type=Path),
     help="The table.  [default: here, by the file's name]",
 )
+@answers
 def command(*, file: Path, name: str | None, output: Path | None) -> None:
     """Make a material of FILE, which another program wrote, that gonio can measure.
 
@@ -49,4 +51,12 @@ def command(*, file: Path, name: str | None, output: Path | None) -> None:
         f"wrote {path}: white {imported.table.white:.4g} 1/sr, changes by "
         f"{imported.source.anisotropy:.0%} when turned\n"
         f"measure it: gonio capture --sim --material {path}"
+    )
+    answer(
+        {
+            "file": path,
+            "format": imported.format.name,
+            "white_per_sr": imported.table.white,
+            "anisotropy": imported.source.anisotropy,
+        }
     )

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Also draw them larger, side by side, into this PNG file.",
 )
+@answers
 def command(output: Path | None) -> None:
     """Show the materials that the simulated rig can carry.
 
@@ -37,6 +40,20 @@ def command(output: Path | None) -> None:
     if output is not None:
         _draw(output)
         console.print(f"wrote {output}")
+    answer({"materials": _documents(), "picture": output})
+
+
+def _documents() -> list[dict[str, object]]:
+    from sim.materials import EMBEDDED, anisotropy
+
+    return [
+        {
+            "name": name,
+            "anisotropy": anisotropy(embedded.material),
+            "description": embedded.description,
+        }
+        for name, embedded in EMBEDDED.items()
+    ]
 
 
 def _table(*, pictures: bool) -> Table:

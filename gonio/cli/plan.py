@@ -8,6 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from gonio.cli._json import answers
 from gonio.cli._numbers import FiniteRange
 from gonio.cli._scene import scene_options
 
@@ -154,6 +155,7 @@ BRACKETS = ("all", "predicted")
     show_default=True,
     help="Write the plan's page beside it: directions, order, time, what was left out.",
 )
+@answers
 def command(**options: Any) -> None:
     """Choose which directions to measure, and the order that takes the arm the least time.
 
@@ -172,12 +174,15 @@ def command(**options: Any) -> None:
         gonio plan --pareto                      how many shots are worth their time
         gonio plan --continue session/ --shots 20
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
-    from gonio.cli._plan_request import PlanRequest
+    from gonio.cli._console import note
+    from gonio.cli._plan_request import PlanCommand
 
     context = click.get_current_context()
-    typed = frozenset(
+    left = {
         name
-        for name in options
-        if context.get_parameter_source(name) is not ParameterSource.DEFAULT
-    )
-    PlanRequest(typed=typed, **options).run()
+        for name in ("density", "criterion")
+        if context.get_parameter_source(name) is ParameterSource.DEFAULT
+    }
+    if "density" in left:
+        options["density"] = None
+    PlanCommand(every="criterion" in left, tell=note, **options).run()

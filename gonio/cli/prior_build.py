@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from nnbrdf.prior.family import Family
     from nnbrdf.prior.learned import LearnedMaterial
 
 
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
     show_default=True,
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@answers
 def command(*, folders: tuple[Path, ...], output: Path, seed: int) -> None:
     """Make a prior of generated materials and of all models found in FOLDERS.
 
@@ -53,6 +57,18 @@ def command(*, folders: tuple[Path, ...], output: Path, seed: int) -> None:
             f"which count {family.weights[len(family.examples) :].sum():.0%}"
         )
     click.echo(f"wrote {output}")
+    answer(
+        {"file": output, "sha256": prior.sha256, "families": list(map(_document, prior.families))}
+    )
+
+
+def _document(family: Family) -> dict[str, object]:
+    return {
+        "name": family.name,
+        "generated": len(family.examples),
+        "measured": len(family.learned),
+        "measured_share": family.weights[len(family.examples) :].sum(),
+    }
 
 
 def _learned(folders: Sequence[Path]) -> Iterator[LearnedMaterial]:

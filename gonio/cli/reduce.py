@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -16,7 +18,17 @@ if TYPE_CHECKING:
 
 
 _OF_TEXELS = frozenset(
-    {"root", "btf", "texels", "scheduler", "anew", "geometry_path", "space", "color_path"}
+    {
+        "root",
+        "btf",
+        "texels",
+        "scheduler",
+        "anew",
+        "geometry_path",
+        "space",
+        "color_path",
+        "as_json",
+    }
 )
 
 
@@ -88,6 +100,7 @@ _OF_TEXELS = frozenset(
     is_flag=True,
     help="With --btf: begin afresh instead of going on where an earlier run was interrupted.",
 )
+@answers
 def command(
     *,
     root: Path,
@@ -120,12 +133,12 @@ def command(
         gonio reduce session/ --color color.json --space acescg
         gonio reduce session/ --btf --scheduler tcp://node1:8786
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
+    from gonio.api.reduction import reduce_anew
+    from gonio.api.told import checks_document, samples_document
     from gonio.cli._checks import tell_checks
     from gonio.cli._console import console, progress_bar
     from gonio.errors import BadInputError
-    from gonio.reduce import reduce_session, write_radiance, write_table
-    from gonio.reduce.color import keep_color
-    from gonio.reduce.poses import keep_geometry
+    from gonio.reduce import write_radiance, write_table
     from gonio.session import Session
 
     if btf:
@@ -140,16 +153,12 @@ def command(
         raise BadInputError(f"--quantity {quantity} is of a table; name one with --csv FILE")
     session = Session.open(root)
     began = time.perf_counter()
-    with session.lock():
-        if geometry_path is not None:
-            keep_geometry(geometry_path, session)
-        if color_path is not None:
-            keep_color(color_path, session)
-        with progress_bar("reducing") as progress:
-            samples = reduce_session(session, patch_mm=patch_mm, space=space, progress=progress)
-        seconds = time.perf_counter() - began
-        session.note_timing("reduce", seconds)
-    console.print(_table(samples, len(session.chain().shots), seconds))
+    with progress_bar("reducing") as progress:
+        samples = reduce_anew(
+            session, geometry_path, color_path, progress, patch_mm=patch_mm, space=space
+        )
+    shots, seconds = len(session.chain().shots), time.perf_counter() - began
+    console.print(_table(samples, shots, seconds))
     tell_checks(session)
     console.print(f"samples: {session.samples_path}")
     if table is not None:
@@ -159,6 +168,17 @@ def command(
         with session.lock(), progress_bar("merging") as progress:
             written = write_radiance(session, radiance, progress)
         console.print(f"light of {written} shots: {radiance}")
+    answer(
+        {
+            "file": session.samples_path,
+            "table": table,
+            "radiance": radiance,
+            "shots_planned": shots,
+            "took_s": seconds,
+            **samples_document(samples),
+            **checks_document(session.checks_path),
+        }
+    )
 
 
 def _refuse_idle() -> None:
@@ -177,24 +197,20 @@ def _table(samples: Samples, shots: int, seconds: float) -> Table:
     import numpy as np
     from rich.table import Table
 
+    from gonio.api.told import flagged, relative_sigma
     from gonio.samples import Flag
     from gonio.words import duration
 
-    def count(flag: Flag) -> str:
-        return str(int((samples.flag & flag.value).any(axis=1).sum()))
-
-    # of a value about zero the ratio says nothing
-    bright = samples.value > 0
-    relative = samples.sigma[bright] / samples.value[bright]
+    relative = relative_sigma(samples)
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     table.add_row("shots planned", str(shots))
     table.add_row("samples", str(len(samples)))
     table.add_row("left out", str(shots - len(samples)))
-    table.add_row("clipped", count(Flag.CLIPPED))
-    table.add_row("faint", count(Flag.FAINT))
+    table.add_row("clipped", str(flagged(samples, Flag.CLIPPED)))
+    table.add_row("faint", str(flagged(samples, Flag.FAINT)))
     by = f" by {samples.color_made_by}" if samples.color_made_by != "none" else ""
     table.add_row("values", f"{samples.color_space}{by}")
     table.add_row("median value", f"{np.median(samples.value):.4g} 1/sr")
-    table.add_row("median sigma", f"{100 * np.median(relative):.2g} %" if relative.size else "-")
+    table.add_row("median sigma", "-" if relative is None else f"{100 * relative:.2g} %")
     table.add_row("time", duration(seconds))
     return table

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._numbers import FiniteRange
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from gonio.cli._materials import Opened
-    from gonio.cli._rendering import Scene
+    from gonio.api.opened import Opened
+    from gonio.api.rendering import Scene
     from gonio.report.render_sheet import Sheet
 
 _SHAPES = ("sphere", "drape", "panel")
@@ -87,6 +88,7 @@ SHEET_NAME = "render.png"
     default=0.0,
     help="Brighter by so many doublings; 0 makes the mean of the first 18 %.",
 )
+@answers
 def command(
     *, sources: tuple[str, ...], output: Path, truth: str | None, recipes: tuple[str, ...],
     activations: str | None, shapes: tuple[str, ...], probe: str, size: int,
@@ -109,10 +111,10 @@ def command(
         gonio render wood-veneer brushed-metal --probe sky --size 512
         gonio render --truth measured.npz model/ older/model/ --shape sphere
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
-    from gonio.cli._beside import fitted_beside, score_line
-    from gonio.cli._console import console
-    from gonio.cli._materials import distinct, open_material
-    from gonio.cli._rendering import Scene
+    from gonio.api.beside import fitted_beside, score_line
+    from gonio.api.opened import distinct, open_material
+    from gonio.api.rendering import Scene
+    from gonio.cli._console import console, progress_bar
     from gonio.files import check_room
 
     check_room(output)
@@ -121,14 +123,15 @@ def command(
     if not recipes and any(one.samples is not None for one in opened):
         recipes = ("paper",)
     names = _activations(activations)
-    fitted = fitted_beside(opened, recipes, names)
+    fitted = fitted_beside(opened, recipes, names, progress_bar)
     rows = distinct([*_reference(opened, truth), *opened, *fitted])
     scores = {one.name: score_line(one, rows[0]) for one in rows[1:]}
-    sheet = scene.sheet(rows, scores, stops)
+    sheet = scene.sheet(rows, scores, stops, progress_bar)
     _write(output, sheet, scene)
     for line in _lines(sheet):
         console.print(line)
     console.print(f"pictures: {output / SHEET_NAME}, linear ones beside it (*.exr)")
+    answer({"pictures": output / SHEET_NAME, "rendered": _document(sheet)})
 
 
 def _activations(text: str | None) -> Sequence[str]:
@@ -142,7 +145,7 @@ def _reference(opened: Sequence[Opened], truth: str | None) -> list[Opened]:
     """Return what comes first: what was asked for, or the truth of the first that has one."""
     from dataclasses import replace
 
-    from gonio.cli._materials import truth_in
+    from gonio.api.opened import truth_in
 
     if truth is not None:
         return [replace(truth_in(truth), name="truth")]
@@ -162,6 +165,20 @@ def _write(folder: Path, sheet: Sheet, scene: Scene) -> None:
             write_exr(folder / f"{identifier(name)}-{shape}.exr", linear)
     write_exr(folder / "probe.exr", scene.probe.panorama())
     sheet.write(folder / SHEET_NAME)
+
+
+def _document(sheet: Sheet) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "scores": sheet.scores.get(name),
+            "by_shape": {
+                shape: {"psnr_db": each.psnr_db, "mean_steps": each.mean}
+                for shape, each in sheet.contrasts.get(name, {}).items()
+            },
+        }
+        for name in sheet.pictures
+    ]
 
 
 def _lines(sheet: Sheet) -> list[str]:

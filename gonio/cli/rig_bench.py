@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -35,6 +37,7 @@ _CLEARLY = 0.05
     type=click.Path(dir_okay=False, path_type=Path),
     help="The file; one there is replaced.  [default: rig-timing.json, beside the rig file]",
 )
+@answers
 def command(*, sim: bool, rig_path: Path | None, seed: int, output: Path | None) -> None:
     """Measure what a rig takes, so that plans tell their time and exposures well.
 
@@ -73,13 +76,15 @@ def command(*, sim: bool, rig_path: Path | None, seed: int, output: Path | None)
     for note in _notes(bench, rig):
         click.echo(f"note: {note}")
     click.echo(f"wrote {target} after {duration(took_s)} of rig time, sha256 {bench.timing.sha256}")
+    timing = bench.timing.model_dump(mode="json", exclude={"schema_"})
+    answer({"file": target, "took_s": took_s, "notes": _notes(bench, rig), **timing})
 
 
 @contextmanager
 def _driven(rig: Rig, seed: int, *, sim: bool) -> Iterator[tuple[Instrument, Operator, Path]]:
     """Connect to the rig or to its twin; yields a folder for frames as well."""
     if sim:
-        from gonio.cli._twin import simulated_rig
+        from gonio.api.twin import simulated_rig
 
         with simulated_rig(rig, seed) as driven:
             yield driven

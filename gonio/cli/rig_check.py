@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     help="Then also enable the drives where they stand, light each lamp faintly, and take a dark "
     "frame. Nothing moves.",
 )
+@answers
 def command(*, rig_path: Path | None, sim: bool, exercise: bool) -> None:
     """Look at every device, and say what to do about what is wrong; exits 3 if anything is.
 
@@ -60,6 +63,7 @@ def command(*, rig_path: Path | None, sim: bool, exercise: bool) -> None:
         if exercise:
             found += use(instrument, rig, Path(scratch))
     console.print(_table(found))
+    answer({"findings": list(map(_document, found))})
     wrong = [each for each in found if not each.is_well]
     if not wrong:
         console.print("all is well")
@@ -70,7 +74,7 @@ def command(*, rig_path: Path | None, sim: bool, exercise: bool) -> None:
 @contextlib.contextmanager
 def _instrument(rig: Rig, *, sim: bool) -> Iterator[Instrument]:
     if sim:
-        from gonio.cli._twin import simulated_rig
+        from gonio.api.twin import simulated_rig
 
         with simulated_rig(rig, 0) as (instrument, _, _):
             yield instrument
@@ -84,6 +88,16 @@ def _instrument(rig: Rig, *, sim: bool) -> Iterator[Instrument]:
 def _local(rig: Rig, folder: str) -> Rig:
     """Return the rig with a folder that is there: the twin's own is made where it is needed."""
     return rig.model_copy(update={"camera": rig.camera.model_copy(update={"folder": folder})})
+
+
+def _document(finding: Finding) -> dict[str, object]:
+    return {
+        "is_well": finding.is_well,
+        "device": finding.device,
+        "what": finding.what,
+        "found": finding.found,
+        "remedy": finding.remedy,
+    }
 
 
 def _table(found: list[Finding]) -> Table:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._rig_option import rig_option
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 @click.command(name="home")
 @rig_option
 @click.option("--anew", is_flag=True, help="Also axes that know their position.")
+@answers
 def command(*, rig_path: Path, anew: bool) -> None:
     """Find the positions of all axes that do not know theirs; then the drives let go.
 
@@ -30,5 +32,7 @@ def command(*, rig_path: Path, anew: bool) -> None:
 
     with connected(load_rig(rig_path)) as instrument, instrument.arm_ready() as arm:
         arm.home(AXES if anew else ())
-        for name, angle in arm.angles_deg().items():
+        angles_deg = arm.angles_deg()
+        for name, angle in angles_deg.items():
             click.echo(f"{name:12} {angle:9.3f} deg")
+        answer({"angles_deg": angles_deg})

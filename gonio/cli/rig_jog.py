@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._rig_option import rig_option
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 @click.argument("degrees", type=float, metavar="DEGREES")
 @rig_option
 @click.option("--to", "is_goal", is_flag=True, help="DEGREES is the angle to go to, not the way.")
+@answers
 def command(*, axis: str, degrees: float, rig_path: Path, is_goal: bool) -> None:
     """Move AXIS by DEGREES, or --to an angle; then the drives let go.
 
@@ -49,7 +51,9 @@ def command(*, axis: str, degrees: float, rig_path: Path, is_goal: bool) -> None
         rig.check_reach(axis, goal)
         _check_clear(here, here | {axis: goal}, rig)
         arm.move({axis: goal})
-        click.echo(f"{axis} {arm.angles_deg()[axis]:.3f} deg")
+        angles_deg = arm.angles_deg()
+        click.echo(f"{axis} {angles_deg[axis]:.3f} deg")
+        answer({"axis": axis, "angles_deg": angles_deg})
 
 
 def _check_clear(start: dict[str, float], goal: dict[str, float], rig: Rig) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._rig_option import rig_option
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 @click.command(name="stop")
 @rig_option
+@answers
 def command(*, rig_path: Path) -> None:
     """Stop all axes, switch the lamps off, and end the gonio that drives the rig, if there is one.
 
@@ -27,5 +29,8 @@ def command(*, rig_path: Path) -> None:
     from gonio.cli._stop import stop_rig
     from gonio.rig import load_rig
 
+    done: list[str] = []
+    answer({"done": done})
     for line in stop_rig(load_rig(rig_path)):
         click.echo(line)
+        done.append(line)

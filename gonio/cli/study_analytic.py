@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._study import names_in, study_options
 from gonio.cli._study_end import show_grids, write_trainings
 
@@ -25,6 +26,7 @@ ABOUT = (
 @click.command(name="analytic")
 @study_options
 @click.option("--models", help="Names, with commas between.  [default: all sixteen]")
+@answers
 def command(setting: Setting, *, models: str | None) -> None:
     """Compare models of the literature with the networks on MATERIALS.
 
@@ -54,6 +56,13 @@ def command(setting: Setting, *, models: str | None) -> None:
         show_grids(section.title, section.grids)
     console.print(f"table: {table}")
     console.print(f"page:  {page}")
+    every = [
+        {"material": name, "name": one.name, "subset": one.subset, "numbers": one.numbers}
+        | one.cells()
+        for name, of_material in results.items()
+        for one in of_material
+    ]
+    answer({"page": page, "table": table, "results": every})
 
 
 def _results(

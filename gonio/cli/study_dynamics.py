@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._numbers import FiniteRange
 
 if TYPE_CHECKING:
@@ -51,6 +53,7 @@ PARTS = ("race", "bounds")
 @click.option("--cases", metavar="NAMES",
               help="Of the extreme cases: swing, step, locked, creep, inertia, stop, reversal, "
               "work.  [default: all]")  # fmt: skip
+@answers
 def command(*, output: Path, days: float, methods: str | None, cases: str | None) -> None:
     """Show how exactly the arm's motion is integrated, against run time, and in extreme cases.
 
@@ -96,6 +99,7 @@ def _write(output: Path, runs: list[Run], bounds: list[Bound]) -> None:
     console.print(f"{kept} of {len(bounds)} bounds hold")
     console.print(f"tables: {output}/dynamics-*.csv")
     console.print(f"page:   {page}")
+    answer({"page": page, "race": list(map(asdict, runs)), "bounds": list(map(asdict, bounds))})
 
 
 def _tolerances() -> dict[str, tuple[float, ...]]:

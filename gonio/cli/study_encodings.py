@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answers
 from gonio.cli._study import names_in, networks_in, study_options
 from gonio.cli._study_end import conclude
 
@@ -26,6 +27,7 @@ ABOUT = (
 @study_options
 @click.option("--encodings", help="Names, with commas between.  [default: all six]")
 @click.option("--networks", default="15-30-20,3-6-4", show_default=True, help="Hidden layers.")
+@answers
 def command(setting: Setting, *, encodings: str | None, networks: str) -> None:
     """Compare encodings of view and light on MATERIALS.
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -38,6 +40,7 @@ ABOUT = (
     default=0,
     help="Add so many generated anisotropic materials, scored between the grid's nodes, too.",
 )
+@answers
 def command(
     *,
     materials: tuple[str, ...],
@@ -91,6 +94,7 @@ def command(
         show_grids(section.title, section.grids)
     console.print(f"table: {table}")
     console.print(f"page:  {page}")
+    answer({"page": page, "table": table, "results": [each.model_dump() for each in results]})
 
 
 def _counts(text: str | None, default: tuple[int, ...]) -> tuple[int, ...]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 import numpy as np
 
+from gonio.cli._json import answer, answers
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -36,6 +38,7 @@ PARTS = ("cases", "starts", "limits")
 @click.argument("material", default="wood-veneer")
 @click.option("-o", "--output", type=click.Path(path_type=Path), default=Path("study"),
               show_default=True, help="Folder of the page.")  # fmt: skip
+@answers
 def command(*, material: str, output: Path) -> None:
     """Show where training is stiff or extreme on MATERIAL, and what becomes of it.
 
@@ -48,7 +51,7 @@ def command(*, material: str, output: Path) -> None:
 
     from gonio.cli._console import console, progress_bar
     from gonio.cli._study import read_setting
-    from gonio.cli._study_end import show_grids, write_grid
+    from gonio.cli._study_end import grids_document, show_grids, write_grid
     from gonio.errors import MissingExtraError
     from gonio.report.study import write_study
     from nnbrdf.studies.analytic import samples_of
@@ -74,6 +77,7 @@ def command(*, material: str, output: Path) -> None:
     show_grids(section.title, section.grids)
     console.print(f"tables: {output}/stability-*.csv")
     console.print(f"page:   {page}")
+    answer({"page": page, "tables": grids_document(section.grids)})
 
 
 def _section(name: str, data: Data, progress: Progress) -> Section:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answer, answers
 from gonio.cli._study import names_in, study_options
 from gonio.cli._study_end import show_end, show_grids, write_trainings
 
@@ -27,6 +29,7 @@ ABOUT = (
 @click.command(name="targets")
 @study_options
 @click.option("--activations", help="Names, with commas between.  [default: all twenty]")
+@answers
 def command(setting: Setting, *, activations: str | None) -> None:
     """Compare equal epochs and equal steps, targets to 1 and to 255, and other whites.
 
@@ -66,6 +69,11 @@ def command(setting: Setting, *, activations: str | None) -> None:
     for section in sections:
         show_grids(section.title, section.grids)
     show_end(page, list(outcomes.values()))
+    eps8 = {
+        name: {setting_name: asdict(one.errors) for setting_name, one in settings.items()}
+        for name, settings in ranked.items()
+    }
+    answer({"page": page, "eps8": eps8, "trainings": [one.row() for one in outcomes.values()]})
 
 
 def _rank(designed: dict[str, list[Job]], outcomes: dict[str, Outcome]) -> dict[str, Ranked]:

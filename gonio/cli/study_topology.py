@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli._json import answers
 from gonio.cli._study import networks_in, study_options
 from gonio.cli._study_end import conclude
 
@@ -23,6 +24,7 @@ ABOUT = (
 @click.command(name="topology")
 @study_options
 @click.option("--networks", help="Hidden layers, 16-16,32-32-32.  [default: fourteen shapes]")
+@answers
 def command(setting: Setting, *, networks: str | None) -> None:
     """Compare shapes of the network on MATERIALS: error against training time.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gonio.directions import to_degrees
+from gonio.errors import BadInputError
 from gonio.files import write_bytes
 
 if TYPE_CHECKING:
@@ -48,19 +49,28 @@ def write_table(path: Path, samples: Samples, quantity: str) -> None:
     gonio.errors.StorageError
         When it cannot be written.
     """
-    names = [_PREFIX[quantity] + channel for channel in samples.channels]
-    angles = [*to_degrees(samples.light), *to_degrees(samples.view)]
-    scaled = FACTORS[quantity] * np.hstack([samples.value, samples.sigma])
+    table = columns(samples, quantity)
     text = io.StringIO(newline="")
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(
-        [
-            *(f"{side}_{angle}_deg" for side in ("light", "view") for angle in ("theta", "phi")),
-            *names,
-            *(f"sigma_{name}" for name in names),
-            "color_space",
-        ]
-    )
-    cells = np.hstack([np.transpose(angles), scaled]).tolist()
-    rows.writerows([*row, samples.color_space] for row in cells)
+    rows.writerow(table)
+    rows.writerows(zip(*table.values(), strict=True))
     write_bytes(path, text.getvalue().encode())
+
+
+def columns(samples: Samples, quantity: str) -> dict[str, list[float] | list[str]]:
+    """Return the columns of the table by their names (see `write_table`)."""
+    if quantity not in FACTORS:
+        raise BadInputError(f"quantity {quantity!r} is not known; use {', '.join(FACTORS)}")
+    names = [_PREFIX[quantity] + channel for channel in samples.channels]
+    heads = [
+        *(f"{side}_{angle}_deg" for side in ("light", "view") for angle in ("theta", "phi")),
+        *names,
+        *(f"sigma_{name}" for name in names),
+    ]
+    angles = [*to_degrees(samples.light), *to_degrees(samples.view)]
+    scaled = FACTORS[quantity] * np.hstack([samples.value, samples.sigma])
+    numbers = np.vstack([angles, scaled.T]).tolist()
+    return {
+        **dict(zip(heads, numbers, strict=True)),
+        "color_space": [samples.color_space] * len(samples),
+    }

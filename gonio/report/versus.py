@@ -113,7 +113,7 @@ def worst_grid(row: Versus) -> Grid:
 def documents(reference: str, white: float, rows: Sequence[Versus]) -> Mapping[str, Any]:
     """Return the whole comparison as JSON has it."""
     compared = [row.document() for row in rows]
-    return {"schema": 1, "reference": reference, "white": white, "compared": compared}
+    return {"reference": reference, "white_per_sr": white, "compared": compared}
 
 
 def _cells(row: Versus) -> tuple[str, ...]:

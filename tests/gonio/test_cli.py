@@ -1,8 +1,10 @@
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib import import_module
+from pathlib import Path
 
 import click
 import pytest
@@ -50,6 +52,8 @@ def test_every_public_name_resolves():
     assert dir(gonio) == sorted(gonio.__all__)
     for name in gonio.__all__:
         assert getattr(gonio, name) is not None
+    stub = Path(gonio.__file__).with_suffix(".pyi").read_text()
+    assert set(re.findall(r" as (\w+)$", stub, re.MULTILINE)) == {*gonio.__all__} - {"__version__"}
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = gonio.nonsense
 

@@ -14,8 +14,8 @@ SLOWER = default_rig_text().replace("velocity_deg_s = 20.0", "velocity_deg_s = 1
 @pytest.fixture(scope="module")
 def benched(tmp_path_factory):
     """A folder with rig.toml and the rig-timing.json that was measured of it."""
+    from gonio.api.twin import simulated_rig
     from gonio.bench import bench_rig
-    from gonio.cli._twin import simulated_rig
 
     folder = tmp_path_factory.mktemp("benched")
     (folder / "rig.toml").write_text(SLOWER)
@@ -113,7 +113,7 @@ def test_one_that_does_not_fit_is_refused_when_named_and_ignored_when_found(
     assert not (folder / "plan.json").exists()
     found = gonio(*options)
     assert found.returncode == 0, found.stderr
-    assert found.stderr.startswith("note: not used: rig-timing.json")
+    assert found.stdout.startswith("note: not used: rig-timing.json")
     assert Plan.load(folder / "plan.json").estimates.timing_sha256 is None
 
 

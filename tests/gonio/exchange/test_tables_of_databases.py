@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from gonio.api.opened import open_material
 from gonio.cli import _main
-from gonio.cli._materials import open_material
 from gonio.directions import from_degrees, from_spherical, to_half_difference
 from gonio.errors import BadFileError
 from gonio.exchange import read_material

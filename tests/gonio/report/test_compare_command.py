@@ -38,7 +38,7 @@ def test_the_table_as_json_and_the_page(tables, tmp_path, standalone):
     page = tmp_path / "page.html"
     told = json.loads(compare(*tables, "--json", "-o", page))
     one, other = map(MeasuredTable.load, tables)
-    assert (told["reference"], told["white"]) == ("one", one.white)
+    assert (told["reference"], told["white_per_sr"]) == ("one", one.white)
     (row,) = told["compared"]
     assert row["eps8"] == eps8(other.values, one.values, one.white)
     assert row["male"] == male(other.values, one.values, one.white)

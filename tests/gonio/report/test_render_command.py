@@ -56,7 +56,7 @@ def test_a_session_without_a_model_says_what_to_do(measure, tmp_path):
 
 
 def test_the_truth_of_a_twin_is_its_formula_rather_than_its_table(measure):
-    from gonio.cli._materials import open_material
+    from gonio.api.opened import open_material
     from sim.materials import EMBEDDED
 
     session = measure().session

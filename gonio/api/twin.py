@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
+from gonio.api.rehearsal import UnsyncedFolder
 from gonio.calibration import TwinIdentity
 from gonio.capture import Instrument
-from gonio.cli._rehearsal import UnsyncedFolder
 from gonio.clock import VirtualClock
 from gonio.devices import LocalFolder
 from gonio.errors import ResumeRefusedError

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
+from gonio.plan import Plan
 
 if TYPE_CHECKING:
     from gonio.adaptive import Goal
-    from gonio.cli._calibration import Asked
-    from gonio.cli._twin import TwinSettings
-    from gonio.plan import Plan
+    from gonio.api.calibration import Asked
+    from gonio.api.following import Tell
+    from gonio.api.twin import TwinSettings
     from gonio.protocols import Material
     from gonio.rig import Rig
     from gonio.session import Session
@@ -30,7 +30,8 @@ class Carried:
 
     @classmethod
     def of(cls, material: str | None, seed: int | None, imperfections: str | None) -> Carried:
-        from gonio.cli._twin import TwinSettings
+        """Read what was asked for; None: the default."""
+        from gonio.api.twin import TwinSettings
         from sim.materials import load_material
 
         name = material or _MATERIAL
@@ -44,12 +45,13 @@ class Carried:
 
 def begun(
     root: Path,
-    plan_path: Path | None,
+    chosen: Plan | Path | None,
     rig_path: Path | None,
     carried: Carried | None,
     said: dict[str, Any],
     goal: Goal | None,
-    calibration: Asked | None = None,
+    calibration: Asked | None,
+    tell: Tell,
 ) -> Session:
     """Make the session once nothing speaks against it.
 
@@ -57,8 +59,10 @@ def begun(
     ----------
     root
         Its folder.
-    plan_path, rig_path
-        As typed; None: what there is.
+    chosen
+        The plan, or its file; None: plan.json where there is one, else a fresh one.
+    rig_path
+        The rig's file; None: the built-in rig.
     carried
         What the twin carries; None on a real rig.
     said
@@ -67,18 +71,19 @@ def begun(
         Of an adaptive capture.
     calibration
         Of the camera, where one is asked for.
+    tell
+        Told what else was decided.
 
     Raises
     ------
     gonio.errors.GonioError
         For whatever cannot be measured, or cannot be stored.
     """
+    from gonio.api.rounds import check_affordable, note_goal
+    from gonio.api.twin import remember
     from gonio.capture import check_reach, check_space
-    from gonio.cli._adaptive import check_affordable, note_goal
-    from gonio.cli._twin import remember
     from gonio.clock import SystemClock, VirtualClock
     from gonio.creation import create_session
-    from gonio.errors import BadInputError
     from gonio.materials import reference_material
     from gonio.notes import Notes
     from gonio.rig import default_rig, default_rig_text, load_rig
@@ -89,12 +94,8 @@ def begun(
     notes = check(Notes, said, Path("notes"), "correct the option of that name")
     # what cannot be measured is refused before anything is written
     reference_material(rig)
-    plan = _plan_for(plan_path, rig, rig_path, goal)
-    if plan.rig_sha256 != rig.sha256:
-        raise BadInputError(
-            f"{plan_path or _DEFAULT_PLAN}: was made for another rig ({plan.rig_sha256[:12]}, not "
-            f"{rig.sha256[:12]}); make it anew with gonio plan --rig, or name that rig with --rig"
-        )
+    plan = _plan_for(chosen, rig, rig_path, goal, tell)
+    _check_rig(plan, rig, chosen)
     if calibration:
         calibration.check(rig, carried.settings if carried else None)
     check_reach(plan.shots, rig)
@@ -118,21 +119,38 @@ def begun(
     return create_session(root, plan, rig_text, notes, furnish)
 
 
-def _plan_for(path: Path | None, rig: Rig, rig_path: Path | None, goal: Goal | None) -> Plan:
+def _check_rig(plan: Plan, rig: Rig, chosen: Plan | Path | None) -> None:
+    from gonio.errors import BadInputError
+
+    if plan.rig_sha256 != rig.sha256:
+        where = chosen if isinstance(chosen, Path) else _DEFAULT_PLAN
+        named = "the plan" if isinstance(chosen, Plan) else where
+        raise BadInputError(
+            f"{named}: was made for another rig ({plan.rig_sha256[:12]}, not "
+            f"{rig.sha256[:12]}); make it anew with gonio plan --rig, or name that rig with --rig"
+        )
+
+
+def _plan_for(
+    chosen: Plan | Path | None, rig: Rig, rig_path: Path | None, goal: Goal | None, tell: Tell
+) -> Plan:
     """Return the plan asked for, or plan.json, or a fresh one: `sixth`, or few pairs to begin."""
-    from gonio.cli._adaptive import first_shots
-    from gonio.cli._prior import material_prior, with_prior
-    from gonio.cli._timing import timing_for
-    from gonio.plan import Plan
+    if isinstance(chosen, Plan):
+        return chosen
+    found = chosen or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
+    return Plan.load(found) if found is not None else _fresh(rig, rig_path, goal, tell)
+
+
+def _fresh(rig: Rig, rig_path: Path | None, goal: Goal | None, tell: Tell) -> Plan:
+    from gonio.api.prior import material_prior, with_prior
+    from gonio.api.rounds import first_shots
+    from gonio.api.timing import timing_for
     from planner.make import make_plan
 
-    found = path or (_DEFAULT_PLAN if _DEFAULT_PLAN.exists() else None)
-    if found is not None:
-        return Plan.load(found)
     shots = first_shots(goal) if goal else None
     what = f"begins with {shots} pairs" if shots else "measures density sixth"
-    click.echo(f"no plan.json here, so this {what} (see gonio plan --help)")
-    timing = timing_for(rig, rig_path, None)
+    tell(f"no plan.json here, so this {what} (see gonio plan --help)")
+    timing = timing_for(rig, rig_path, None, tell)
     prior = material_prior(goal.prior_path if goal else None)
     plan = make_plan(
         rig,

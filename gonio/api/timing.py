@@ -1,18 +1,17 @@
-"""The timing that a command counts with: named, found, or none."""
+"""The timing that plans count with: named, found, or none."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 if TYPE_CHECKING:
+    from gonio.api.following import Tell
     from gonio.rig import Rig
     from gonio.timing import Timing
 
 
-def timing_for(rig: Rig, rig_path: Path | None, named: Path | None) -> Timing | None:
+def timing_for(rig: Rig, rig_path: Path | None, named: Path | None, tell: Tell) -> Timing | None:
     """Return what was measured of a rig: as named, or found beside its file or in this folder.
 
     One that is merely found and is damaged or of another rig is told and not used.
@@ -33,7 +32,7 @@ def timing_for(rig: Rig, rig_path: Path | None, named: Path | None) -> Timing | 
             try:
                 return _of_this_rig(path, rig, rig_path)
             except BadInputError as error:
-                click.echo(f"note: not used: {error}", err=True)
+                tell(f"not used: {error}")
     return None
 
 

@@ -173,7 +173,7 @@ def _of_session(root: Path) -> Opened:
 
 
 def _truth(session: Session) -> Opened | None:
-    from gonio.cli._twin import carried
+    from gonio.api.twin import carried
     from gonio.report import truth_of
 
     table = truth_of(session, SRGB)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gonio.cli._materials import Opened
+from gonio.api.opened import Opened
 from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from gonio.api.following import Bars
     from gonio.materials import MeasuredTable
     from gonio.samples import Samples
 
@@ -17,9 +18,9 @@ _NO_SAMPLES = "needs samples; give a session among the materials"
 
 
 def fitted_beside(
-    opened: Sequence[Opened], recipes: Sequence[str], activations: Sequence[str]
+    opened: Sequence[Opened], recipes: Sequence[str], activations: Sequence[str], bars: Bars
 ) -> Iterator[Opened]:
-    """Fit recipes to the samples of the first session, each with a bar on the screen.
+    """Fit recipes to the samples of the first session.
 
     Parameters
     ----------
@@ -29,6 +30,8 @@ def fitted_beside(
         Names of estimators, or `nbrdf`.
     activations
         Each makes a network by the paper's recipe but for its activation.
+    bars
+        How each is followed.
 
     Raises
     ------
@@ -41,22 +44,21 @@ def fitted_beside(
     if samples is None:
         raise BadInputError(f"{', '.join([*recipes, *activations])} {_NO_SAMPLES}")
     for name in recipes:
-        yield _nbrdf(samples) if name == "nbrdf" else _fit(name, name, samples)
+        yield _nbrdf(samples) if name == "nbrdf" else _fit(name, name, samples, bars)
     for activation in activations:
-        yield _fit(activation, "paper", samples, activation=activation)
+        yield _fit(activation, "paper", samples, bars, activation=activation)
 
 
-def _fit(title: str, estimator: str, samples: Samples, **settings: Any) -> Opened:
-    from gonio.cli._console import progress_bar
+def _fit(title: str, estimator: str, samples: Samples, bars: Bars, **settings: Any) -> Opened:
     from nnbrdf.estimators import estimator_named
 
-    with progress_bar(f"fitting {title}") as progress:
+    with bars(f"fitting {title}") as progress:
         estimate = estimator_named(estimator)(**settings).fit(samples, progress)
     return Opened(title, estimate, samples.white)
 
 
 def _nbrdf(samples: Samples) -> Opened:
-    from gonio.cli._materials import evaluating
+    from gonio.api.opened import evaluating
     from nnbrdf.baselines import fit_nbrdf
 
     return Opened("nbrdf", evaluating(fit_nbrdf(samples)), samples.white)

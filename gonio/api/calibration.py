@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from gonio.api.twin import TwinSettings
     from gonio.calibration import CalibrationDocument
-    from gonio.cli._twin import TwinSettings
     from gonio.rig import Rig
     from gonio.session import Session
 

@@ -1,4 +1,4 @@
-"""`gonio capture --rehearse`: what it cannot be asked for, where its frames go, what it says."""
+"""A rehearsal: what it cannot be asked for, where its frames go, what it says."""
 
 from __future__ import annotations
 
