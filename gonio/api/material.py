@@ -188,8 +188,12 @@ class Material:
     def _repr_html_(self) -> str:
         from html import escape
 
-        from gonio.report.spheres import sphere_uri
+        from gonio.color import SRGB
+        from gonio.report.renders import renders_of
+        from gonio.report.screen import Screen
 
-        picture = sphere_uri(self.opened.material, self.opened.table.white)
+        (seen,) = renders_of(self.opened.material, None, Screen.of(SRGB), ["sphere"])
         name = escape(self.name)
-        return f'<figure><img alt="{name}" src="{picture}"><figcaption>{name}</figcaption></figure>'
+        return (
+            f'<figure><img alt="{name}" src="{seen.uri}"><figcaption>{name}</figcaption></figure>'
+        )

@@ -13,7 +13,7 @@ from gonio.render.contrast import contrast, developed, exposure
 from gonio.report.images import png_uri
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from gonio.materials import MeasuredTable
     from gonio.protocols import Material
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from gonio.report.screen import Screen
 
 _SIZE_PX, _LIGHTS = 144, 32
-_SHAPES = ("sphere", "drape")
 _PROBE = "studio"
 ABOUT = (
     f"Under {PROBES[_PROBE].description}; direct light alone. Larger, on more shapes and beside "
@@ -38,7 +37,12 @@ class Render(NamedTuple):
     note: str
 
 
-def renders_of(model: Material, truth: MeasuredTable | None, screen: Screen) -> list[Render]:
+def renders_of(
+    model: Material,
+    truth: MeasuredTable | None,
+    screen: Screen,
+    shapes: Sequence[str] = ("sphere", "drape"),
+) -> list[Render]:
     """Render a model on each shape, beside it the truth where it is known."""
     materials = {"reconstruction": model}
     if truth is not None:
@@ -46,7 +50,7 @@ def renders_of(model: Material, truth: MeasuredTable | None, screen: Screen) -> 
     if not np.array_equal(screen.matrix, np.eye(3)):
         materials = {name: InSpace(each, screen.matrix) for name, each in materials.items()}
     lights = PROBES[_PROBE].lights(_LIGHTS)
-    shaded = {name: shade(materials, SHAPES[name], lights, _SIZE_PX) for name in _SHAPES}
+    shaded = {name: shade(materials, SHAPES[name], lights, _SIZE_PX) for name in shapes}
     # all in one exposure, the truth's where it is known
     factor = exposure(list(pictures.values())[-1] for pictures in shaded.values())
     return [
