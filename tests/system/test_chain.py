@@ -25,7 +25,7 @@ def hashes(folder):
 
 
 def run_chain(gonio, *choice):
-    ok(gonio("plan", "--density", "5", *choice))
+    ok(gonio("plan", "--density", "4", *choice))
     ok(gonio("capture", "--sim", "--material", "wood-veneer"))
     return ok(gonio("reconstruct", "session/", "--estimator", "paper", "--epochs", 20))
 
@@ -36,10 +36,10 @@ def test_the_chain_leaves_what_it_promises(gonio, tmp_path):
     assert "eps8" in printed
     assert "male" in printed
     plan = json.loads((session / "plans/000.json").read_text())
-    assert len(plan["shots"]) == 25
-    assert len(list((session / "raw").iterdir())) == 25 * 4
+    assert len(plan["shots"]) == 16
+    assert len(list((session / "raw").iterdir())) == 16 * 4
     samples = Samples.load(session / "samples.nc")
-    assert samples.value.shape == (25, 3)
+    assert samples.value.shape == (16, 3)
     assert np.isfinite(samples.sigma).all()
     with np.load(session / "model/grid.npz", allow_pickle=False) as grid:
         assert {name: grid[name].shape for name in grid} == dict.fromkeys(

@@ -74,7 +74,7 @@ def seen(session: Path):
 
 
 def test_a_mildly_imperfect_capture_is_reconstructed(gonio, tmp_path):
-    ok(gonio("plan", "--density", "4", "--no-page"))
+    ok(gonio("plan", "--density", "3", "--no-page"))
     for name in ("none", "mild"):
         ok(gonio("capture", "--sim", "--imperfections", name, "-o", name))
     ok(gonio("reduce", "none"))
