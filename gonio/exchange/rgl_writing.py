@@ -127,8 +127,8 @@ def _values(
     facing = (light * half).sum(axis=1)
     view = 2 * facing[:, None] * half - light
     seen = evaluate_in_blocks(material, light, above_horizon(view), progress)
-    # beyond the horizon it goes on through zero, so that it is zero there between nodes, too
-    seen *= view[:, 2:]
+    # zero beyond the horizon: what is negative there is so above it, too, between the nodes
+    seen *= view[:, 2:].clip(0.0)
     value = seen / empty.density(square, theta_i, phi_i)[:, None]
     stretch = np.maximum(2 * np.pi**2 * square[:, 0] * np.sin(theta), 1e-6) * 4 * facing.clip(0.0)
     _, density = warp.invert(square, alone(np.repeat(np.arange(views), size**2)))

@@ -19,17 +19,19 @@ from sim.materials import EMBEDDED
 _TILTED = Sum((Lambert((0.3, 0.2, 0.1)), Fibers((0.1, 0.05, 0.02), width=0.3, tilt=0.2)))
 _GROOVED = Sum((Lambert((0.1, 0.1, 0.1)), AnisotropicGGX((0.5, 0.4, 0.3), 0.2, 0.5)))
 _EVEN = EMBEDDED["gold-leaf"].material
+_GLOSSY = EMBEDDED["glossy-plastic"].material
 
 
 @pytest.fixture(scope="module")
 def tensors(tmp_path_factory):
-    """Write small tensors: of an even material, and of two with a grain."""
+    """Write small tensors: of two even materials, and of two with a grain."""
     folder = tmp_path_factory.mktemp("rgl")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rgl_writing, "_NODES", 24)
         patch.setattr(rgl_writing, "_PHI_STEP_DEG", 15.0)
         patch.setattr(rgl_writing, "_FINE_NODES", 40)
-        for name, material in (("even", _EVEN), ("tilted", _TILTED), ("grooved", _GROOVED)):
+        materials = {"even": _EVEN, "glossy": _GLOSSY, "tilted": _TILTED, "grooved": _GROOVED}
+        for name, material in materials.items():
             write(Source(material, name), folder / f"{name}.bsdf", None)
     return folder
 
@@ -107,6 +109,27 @@ def test_mitsuba_samples_what_it_evaluates(tensors, mitsuba):
     np.testing.assert_allclose(weights.mean(axis=0), albedo, rtol=0.02)
     # and it samples well: weights hardly vary
     assert weights[:, 1].std() < 0.3 * weights[:, 1].mean()
+
+
+@pytest.mark.parametrize("theta_deg", [80, 86])
+@pytest.mark.parametrize(("name", "material"), [("even", _EVEN), ("glossy", _GLOSSY)])
+def test_a_grazing_light_is_sent_back_by_no_less_than_nothing(
+    tensors, mitsuba, name, material, theta_deg
+):
+    bsdf = mitsuba.load_dict({"type": "measured", "filename": str(tensors / f"{name}.bsdf")})
+    surface, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
+    light = from_spherical(np.radians(theta_deg), 0.4)
+    surface.wi = mitsuba.Vector3f(*light)
+    middle = (np.arange(16) + 0.5) / 16
+    draws = [bsdf.sample(context, surface, 0.5, mitsuba.Point2f(x, y))[1]
+             for x in middle for y in middle]  # fmt: skip
+    weights = np.array(draws)
+    assert (weights >= 0).all()
+    # finer than the highlight
+    u, v = (np.arange(300) + 0.5) / 300, (np.arange(400) + 0.5) / 400
+    view = from_spherical(np.arccos(np.sqrt(u))[:, None], 2 * np.pi * v)
+    albedo = np.pi * material.evaluate(light, view).mean(axis=(0, 1))
+    np.testing.assert_allclose(weights.mean(axis=0), albedo, rtol=0.15)
 
 
 def test_tensors_of_the_database(measured, pairs, mitsuba):
