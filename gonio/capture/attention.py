@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gonio.errors import DeviceFaultError
 from gonio.wishes import wished
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class Attention:
     instrument, lighting
         What is held while the capture pauses: arms where they are, lamps off.
     note
-        Told of the beginning and the end of a pause.
+        Told of the beginning and the end of a pause, and of the first fault in it.
     person
         The time of whoever watches, which passes on a twin, too.
     """
@@ -41,7 +42,7 @@ class Attention:
         root: Path,
         instrument: Instrument,
         lighting: Lighting,
-        note: Callable[[str], None],
+        note: Callable[..., None],
         person: Clock,
     ) -> None:
         self._root = root
@@ -58,27 +59,45 @@ class Attention:
     def heed(self) -> None:
         """Return when nothing stands against going on; lamps that were off warm up again then.
 
+        What fails during a pause is put in order after it: nothing moves while somebody may stand
+        at the rig.
+
         Raises
         ------
         StopWishedError
             When the capture is to end.
         gonio.errors.DeviceFaultError
-            When a device fails meanwhile.
+            When a device failed meanwhile.
         """
-        if wished(self._root) == "pause":
-            self._note("paused")
-            while wished(self._root) == "pause":
-                self._hold()
-            self._note("resumed")
+        fault = self._pause() if wished(self._root) == "pause" else None
         if wished(self._root) == "stop":
             raise StopWishedError("as wished by gonio watch")
+        if fault is not None:
+            raise fault
 
-    def _hold(self) -> None:
+    def _pause(self) -> DeviceFaultError | None:
+        """Hold until that is no longer wished; return the first fault meanwhile."""
+        self._note("paused")
+        first: DeviceFaultError | None = None
+        while wished(self._root) == "pause":
+            fault = self._hold()
+            if first is None and fault is not None:
+                first = fault
+                self._note("fault", what=str(fault), did="left until the pause ends")
+        self._note("resumed")
+        return first
+
+    def _hold(self) -> DeviceFaultError | None:
         clock = self._instrument.clock
         since_s = clock.now()
-        # watchdogs of head and drives hear that the host lives
-        self._lighting.off()
-        self._instrument.arm.attend()
+        fault: DeviceFaultError | None = None
+        # watchdogs of head and drives hear that the host lives, of one where the other is gone
+        for attend in (self._lighting.off, self._instrument.arm.attend):
+            try:
+                attend()
+            except DeviceFaultError as failed:
+                fault = failed
         self._person.sleep(_POLL_S)
         # a twin's own time stands still otherwise; a rig's has passed
         clock.sleep(since_s + _POLL_S - clock.now())
+        return fault
