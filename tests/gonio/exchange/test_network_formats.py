@@ -49,6 +49,15 @@ def test_the_plugin_is_called_after_the_model_and_is_python(model, tmp_path):
     assert "ANISOTROPIC = False" in text
 
 
+def test_the_plugin_can_be_imported_whatever_the_model_is_called(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    taught().save(tmp_path / "2026-11 leather-a")
+    assert export("2026-11 leather-a", "--to", "mitsuba").exit_code == 0
+    (made,) = tmp_path.glob("*.py")
+    assert made.stem == "gonio_2026_11_leather_a"
+    assert f"import {made.stem} " in made.read_text()
+
+
 def test_onnx_of_a_saved_model_reads_as_the_model(model, tmp_path):
     pytest.importorskip("onnx")
     runtime = pytest.importorskip("onnxruntime")
