@@ -39,3 +39,8 @@ def told_apart(names: Sequence[str], pattern: str = "{} ({})") -> list[str]:
         free = (each for each in numbered if each not in names and each not in told)
         told.append(next(free) if names.count(name) > 1 else name)
     return told
+
+
+def utf8(name: str) -> bytes:
+    """Encode the name of a file, which need not be text."""
+    return name.encode("utf-8", "backslashreplace")

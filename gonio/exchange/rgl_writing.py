@@ -20,6 +20,7 @@ from gonio.exchange.rgl import RglTensor
 from gonio.exchange.tensor_file import pack
 from gonio.exchange.warp import Warp, alone
 from gonio.files import write_bytes
+from gonio.words import utf8
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +46,7 @@ def write_tensor(source: Source, path: Path, progress: Progress | None) -> None:
     rgb, luminance = _values(source.material, empty, progress)
     fields: dict[str, NDArray[Any]] = {
         "version": np.array([1, 0], np.uint8),
-        "description": np.frombuffer(f"{source.name} (gonio)".encode(), np.uint8),
+        "description": np.frombuffer(utf8(f"{source.name} (gonio)"), np.uint8),
         "phi_i": empty.phi,
         "theta_i": empty.theta,
         "sigma": empty.sigma,

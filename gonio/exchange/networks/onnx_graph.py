@@ -12,6 +12,7 @@ from gonio.exchange.networks.activations import activation_of
 from gonio.exchange.networks.expression import CONSTANT, INPUT, in_order
 from gonio.exchange.networks.formats import network_format
 from gonio.exchange.networks.inputs import inputs_of
+from gonio.words import utf8
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -123,7 +124,8 @@ def model_of(network: Portable) -> Any:
         producer_name="gonio",
         doc_string=f"{network.description}. BRDF in 1/sr of unit vectors; z is the normal.",
     )
-    helper.set_model_props(model, {"name": network.name, "color_space": network.color_space})
+    properties = {"name": utf8(network.name).decode(), "color_space": network.color_space}
+    helper.set_model_props(model, properties)
     return model
 
 

@@ -1,5 +1,6 @@
 """RGL's tensors: written and read as Mitsuba reads them, and refused where broken."""
 
+import os
 import struct
 
 import numpy as np
@@ -32,7 +33,8 @@ def tensors(tmp_path_factory):
         patch.setattr(rgl_writing, "_FINE_NODES", 40)
         materials = {"even": _EVEN, "glossy": _GLOSSY, "tilted": _TILTED, "grooved": _GROOVED}
         for name, material in materials.items():
-            write(Source(material, name), folder / f"{name}.bsdf", None)
+            # the name of a file need not be text
+            write(Source(material, os.fsdecode(b"\xff") + name), folder / f"{name}.bsdf", None)
     return folder
 
 
@@ -133,7 +135,9 @@ def test_a_grazing_light_is_sent_back_by_no_less_than_nothing(
 
 
 def test_tensors_of_the_database(measured, pairs, mitsuba):
-    for path in sorted(measured.glob("*_rgb.bsdf")):
+    paths = sorted(measured.glob("*_rgb.bsdf"))
+    assert paths
+    for path in paths:
         told = _in_mitsuba(mitsuba, path, *pairs)
         # out of gamut, the files hold negative values
         told = told.clip(0)
@@ -208,6 +212,25 @@ def test_a_spoiled_field_is_one_line(name, tensors, tmp_path):
     path = tmp_path / f"{name}.bsdf"
     path.write_bytes(pack(fields))
     with pytest.raises(BadFileError, match=says):
+        read_material(path)
+
+
+AZIMUTHS = {
+    "sixth": np.linspace(0.0, np.pi / 3, 3),
+    "endless": np.array([0.0, 1.0, 1e4]),
+    "nothing": np.array([0.0, 1e-310, 2e-310]),
+}
+
+
+@pytest.mark.parametrize("name", AZIMUTHS)
+def test_azimuths_that_no_mirrors_stand_for_are_refused(name, tensors, tmp_path):
+    source = tensors / "grooved.bsdf"
+    fields = unpack(source.read_bytes(), source)
+    for field in ("vndf", "luminance", "rgb"):
+        fields[field] = fields[field][:3]
+    path = tmp_path / f"{name}.bsdf"
+    path.write_bytes(pack(fields | {"phi_i": AZIMUTHS[name]}))
+    with pytest.raises(BadFileError, match="phi_i is over no whole, half or quarter turn"):
         read_material(path)
 
 
