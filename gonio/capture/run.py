@@ -151,7 +151,7 @@ class Capture:
 
     def _heed(self, taker: FrameTaker) -> None:
         """Pause or stop where that is wished, with all that was exposed taken in."""
-        if self._attention.is_wanted:
+        while self._attention.is_wanted:
             taker.keep()
             self._recovery.attempt(self._attention.heed)
 
