@@ -67,8 +67,8 @@ class Handler(BaseHTTPRequestHandler):
         what = path.removeprefix("/")
         if what not in WISHES:
             return _said(HTTPStatus.NOT_FOUND, "there is no such thing")
-        if not self.server.watched.want(what):
-            return _said(HTTPStatus.CONFLICT, "no capture works on this session")
+        if refusal := self.server.watched.want(what):
+            return _said(HTTPStatus.CONFLICT, refusal)
         return _said(HTTPStatus.OK, "told")
 
     def _send(self, answer: _Answer) -> None:

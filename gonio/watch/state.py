@@ -78,8 +78,8 @@ class Watched:
         """Return the estimate as PNG; None before the first."""
         return self._fit.last.sphere if self._fit.last else None
 
-    def want(self, what: str) -> bool:
-        """Leave one of `WISHES`; return whether a capture is there to heed it.
+    def want(self, what: str) -> str | None:
+        """Leave one of `WISHES`; return why none was left, None where it was.
 
         Raises
         ------
@@ -89,13 +89,16 @@ class Watched:
         root = self.session.root
         with self._lock:
             if not self._is_captured(self._following.look()):
-                return False
-        if what == "resume":
-            if wished(root) == "pause":
+                return "no capture works on this session"
+            if what == "stop":
+                wish(root, "stop")
+            elif wished(root) == "stop":
+                return "the capture has been asked to stop"
+            elif what == "pause":
+                wish(root, "pause")
+            else:
                 forget(root)
-        else:
-            wish(root, "stop" if what == "stop" else "pause")
-        return True
+        return None
 
     def _is_captured(self, told: Told) -> bool:
         # a reduction works on a session, too
