@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from typing import TYPE_CHECKING, Any, Final
 
 from gonio.capture.frames import FrameTaker
@@ -10,7 +12,7 @@ from gonio.errors import DeviceFaultError
 from gonio.rig import AXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from gonio.bluesky.status import Work, Worker
     from gonio.capture import Instrument, Operator
@@ -59,6 +61,7 @@ class ArmDevice(Device):
     def __init__(self, instrument: Instrument, rig: Rig, worker: Worker) -> None:
         super().__init__("arm", instrument, worker)
         self._rig = rig
+        self._moving, self._lock = False, threading.Lock()
 
     def set(self, angles_deg: Mapping[str, float]) -> Work:
         """Move by a way on which nothing comes too near, until all axes are in place and still."""
@@ -90,22 +93,37 @@ class ArmDevice(Device):
         self._worker.do(self._instrument.arm.enable)
 
     def stop(self, success: bool = False) -> None:
-        """End a move that is under way; its status fails."""
+        """End a move that is under way, if there is one; its status fails."""
         del success
-        self._instrument.meanwhile.errand = _halt
+        with self._lock:
+            # a RunEngine stops all that it ever moved at each run's end, too
+            if self._moving:
+                self._instrument.meanwhile.errand = self._halt
 
     def _begin(self) -> None:
-        self._instrument.meanwhile.errand = None
-        self._instrument.arm.enable()
-        self._instrument.arm.home()
+        with self._stoppable():
+            self._instrument.arm.enable()
+            self._instrument.arm.home()
 
     def _move(self, angles_deg: Mapping[str, float]) -> None:
-        self._instrument.meanwhile.errand = None
-        self._instrument.move_clear(angles_deg, self._rig)
+        with self._stoppable():
+            self._instrument.move_clear(angles_deg, self._rig)
 
+    @contextlib.contextmanager
+    def _stoppable(self) -> Iterator[None]:
+        self._under_way(True)
+        try:
+            yield
+        finally:
+            self._under_way(False)
 
-def _halt() -> bool:
-    raise DeviceFaultError("arm: the move was stopped by the RunEngine; run the plan again")
+    def _under_way(self, moving: bool) -> None:
+        with self._lock:
+            self._moving, self._instrument.meanwhile.errand = moving, None
+
+    def _halt(self) -> bool:
+        self._instrument.meanwhile.errand = None  # to come to rest takes waiting
+        raise DeviceFaultError("arm: the move was stopped by the RunEngine; run the plan again")
 
 
 class LampsDevice(Device):

@@ -30,7 +30,11 @@ ENABLED = 0x27
 NOTES = Notes(sample="a", orientation="b", mounting="c", operator="d")
 # the first of a shot's two frames
 PAUSED_AFTER = 21
-RIG = default_rig_text().replace("[0.002, 0.02, 0.2, 2.0]", "[0.02, 0.2]")
+RIG = (
+    default_rig_text()
+    .replace("[0.002, 0.02, 0.2, 2.0]", "[0.02, 0.2]")
+    .replace("[lamps]\n", "[lamps]\nwarm_up_s = 5.0\n")
+)
 
 
 class Nobody:
@@ -179,3 +183,12 @@ def test_a_move_under_way_is_stopped(lab):
         angles = devices.arm.read()
         assert all(angles[f"arm_{axis}_deg"]["value"] < 9.0 for axis in AXES)
         assert lab.is_safe
+
+
+def test_a_stop_after_a_move_fails_nothing(lab):
+    with bench(lab.session, lab.driven()) as devices:
+        assert devices.arm.stage().exception(None) is None
+        assert devices.arm.set(dict.fromkeys(AXES, 1.0)).exception(None) is None
+        devices.arm.stop(success=True)
+        assert devices.lamps.set(devices.chain.shots[0].lamps).exception(None) is None
+        assert devices.arm.set(dict.fromkeys(AXES, 2.0)).exception(None) is None
