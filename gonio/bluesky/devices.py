@@ -14,6 +14,7 @@ from gonio.rig import AXES
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from gonio.bluesky.record import Record
     from gonio.bluesky.status import Work, Worker
     from gonio.capture import Instrument, Operator
     from gonio.capture.instrument import Holder
@@ -58,9 +59,9 @@ class ArmDevice(Device):
     Movable, Readable, Stageable (enabled and homed; left disabled), Stoppable and Pausable.
     """
 
-    def __init__(self, instrument: Instrument, rig: Rig, worker: Worker) -> None:
+    def __init__(self, instrument: Instrument, rig: Rig, worker: Worker, record: Record) -> None:
         super().__init__("arm", instrument, worker)
-        self._rig = rig
+        self._rig, self._record = rig, record
         self._moving, self._lock = False, threading.Lock()
 
     def set(self, angles_deg: Mapping[str, float]) -> Work:
@@ -82,15 +83,15 @@ class ArmDevice(Device):
 
     def unstage(self) -> Work:
         """Stop and disable all axes."""
-        return self._worker.begin(self._instrument.arm.stop)
+        return self._worker.begin(self._end)
 
     def pause(self) -> None:
         """Disable the axes, so that nobody is surprised and no watchdog waits."""
-        self._worker.do(self._instrument.arm.release)
+        self._worker.do(self._pause)
 
     def resume(self) -> None:
         """Enable them."""
-        self._worker.do(self._instrument.arm.enable)
+        self._worker.do(self._resume)
 
     def stop(self, success: bool = False) -> None:
         """End a move that is under way, if there is one; its status fails."""
@@ -104,6 +105,21 @@ class ArmDevice(Device):
         with self._stoppable():
             self._instrument.arm.enable()
             self._instrument.arm.home()
+        self._record.home()
+
+    def _end(self) -> None:
+        try:
+            self._instrument.arm.stop()
+        finally:
+            self._record.end()
+
+    def _pause(self) -> None:
+        self._instrument.arm.release()
+        self._record.pause()
+
+    def _resume(self) -> None:
+        self._instrument.arm.enable()
+        self._record.resume()
 
     def _move(self, angles_deg: Mapping[str, float]) -> None:
         with self._stoppable():

@@ -88,8 +88,11 @@ class Watched:
         """
         root = self.session.root
         with self._lock:
-            if not self._is_captured(self._following.look()):
+            told = self._following.look()
+            if not self._is_captured(told):
                 return "no capture works on this session"
+            if told.by:
+                return f"{told.by} measures this session, and heeds no wishes; act there"
             if what == "stop":
                 wish(root, "stop")
             elif wished(root) == "stop":
@@ -134,6 +137,7 @@ def _heard(told: Told) -> dict[str, Any]:
     return {
         "phase": told.phase,
         "over": told.is_over,
+        "by": told.by,
         "reason": told.reason,
         "target": told.target,
         "last": last and {"id": last[0], "utc": last[1].isoformat(), **last[2].model_dump()},
