@@ -6,7 +6,8 @@ import contextlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gonio.bluesky.devices import ArmDevice, CameraDevice, HolderDevice, LampsDevice
+from gonio.bluesky.arm import ArmDevice
+from gonio.bluesky.devices import CameraDevice, HolderDevice, LampsDevice
 from gonio.bluesky.record import Record
 from gonio.bluesky.status import Worker
 from gonio.capture import check_reach, check_space
