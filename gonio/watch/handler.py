@@ -58,7 +58,11 @@ class Handler(BaseHTTPRequestHandler):
         if not (token or acts):
             token = parse_qs(asked.query).get("token", [None])[0]
         return self.server.access.refusal(
-            host=self.headers["Host"], origin=self.headers["Origin"], token=token, acts=acts
+            host=self.headers["Host"],
+            origin=self.headers["Origin"],
+            site=None if asked.path == "/" else self.headers["Sec-Fetch-Site"],
+            token=token,
+            acts=acts,
         )
 
     def _shown(self, path: str) -> _Answer:

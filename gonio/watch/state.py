@@ -13,6 +13,7 @@ from gonio.wishes import forget, wish, wished
 from gonio.words import duration
 
 if TYPE_CHECKING:
+    from gonio.journal import FrameRecord
     from gonio.session import Session
     from gonio.watch.following import Told
     from gonio.watch.progress import Progress
@@ -36,6 +37,8 @@ class Watched:
         self._following, self._fit = Following(session), RunningFit(session)
         self._lock = threading.Lock()
         self._route: tuple[object, Route] | None = None
+        self._decoding = threading.Lock()
+        self._frame: tuple[FrameRecord, bytes] | None = None
 
     def start(self) -> None:
         """Begin to fit."""
@@ -72,7 +75,7 @@ class Watched:
         """Return the last frame as PNG; None before the first (errors as `frame_png`, `state`)."""
         with self._lock:
             last = self._following.look().last_frame
-        return frame_png(self.session.root, last[2]) if last else None
+        return self._picture(last[2]) if last else None
 
     def sphere(self) -> bytes | None:
         """Return the estimate as PNG; None before the first."""
@@ -102,6 +105,13 @@ class Watched:
             else:
                 forget(root)
         return None
+
+    def _picture(self, record: FrameRecord) -> bytes:
+        # a raw frame is large: it is decoded once, however many ask
+        with self._decoding:
+            if self._frame is None or self._frame[0] != record:
+                self._frame = record, frame_png(self.session.root, record)
+            return self._frame[1]
 
     def _is_captured(self, told: Told) -> bool:
         # a reduction works on a session, too

@@ -2,12 +2,17 @@
 
 import contextlib
 import socket
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 
 from gonio.creation import create_session
 from gonio.notes import Notes
 from gonio.rig import default_rig, default_rig_text
+from gonio.watch import state
+from gonio.watch.following import Told
+from gonio.watch.state import Watched
 from planner.make import make_plan
 from tests.gonio.watch.watching import Watcher
 
@@ -32,3 +37,26 @@ def test_what_is_no_address_is_told_so(watcher, method, capfd):
         asking.sendall(f"{method} http://[ HTTP/1.0\r\n\r\n".encode())
         assert asking.makefile("rb").readline().split()[1:2] == [b"400"]
     assert capfd.readouterr().err == ""
+
+
+SITES = {"none": 200, "same-origin": 200, "same-site": 403, "cross-site": 403}
+
+
+@pytest.mark.parametrize(("site", "status"), SITES.items(), ids=SITES)
+def test_another_page_may_link_here_and_ask_for_nothing_else(watcher, site, status):
+    token = watcher.server.access.token
+    for path in ("/state", f"/state?token={token}"):
+        assert watcher.ask(path, Sec_Fetch_Site=site)[0] == status
+    assert watcher.ask(f"/?token={token}", Sec_Fetch_Site=site)[0] == 200
+
+
+def test_a_frame_is_decoded_once_however_many_ask(session, monkeypatch):
+    decoded, watched = [], Watched(session)
+    monkeypatch.setattr(state, "frame_png", lambda root, record: decoded.append(record) or b"png")
+    told = Told()
+    monkeypatch.setattr(watched, "_following", SimpleNamespace(look=lambda: told))
+    for record in ("first", "second"):
+        told.last_frame = (1, None, record)
+        with ThreadPoolExecutor(4) as pool:
+            assert list(pool.map(lambda _: watched.frame(), range(8))) == [b"png"] * 8
+    assert decoded == ["first", "second"]
