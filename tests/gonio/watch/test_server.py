@@ -60,3 +60,20 @@ def test_a_frame_is_decoded_once_however_many_ask(session, monkeypatch):
         with ThreadPoolExecutor(4) as pool:
             assert list(pool.map(lambda _: watched.frame(), range(8))) == [b"png"] * 8
     assert decoded == ["first", "second"]
+
+
+def has_ipv6():
+    try:
+        with socket.socket(socket.AF_INET6) as tried:
+            tried.bind(("::1", 0))
+    except OSError:
+        return False
+    return True
+
+
+@pytest.mark.skipif(not has_ipv6(), reason="needs IPv6")
+def test_it_listens_at_an_address_of_ipv6(session):
+    with contextlib.closing(Watcher(session.root, "::1")) as watcher:
+        assert watcher.base == f"http://[::1]:{watcher.server.server_port}"
+        assert watcher.state()["phase"] == "waiting"
+        assert watcher.act("stop") == 409
