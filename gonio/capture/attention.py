@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING
 
+from gonio.errors import DeviceFaultError
 from gonio.wishes import wished
 
 if TYPE_CHECKING:
@@ -63,22 +65,35 @@ class Attention:
         StopWishedError
             When the capture is to end.
         gonio.errors.DeviceFaultError
-            When a device fails meanwhile.
+            The last of a device that failed meanwhile, once the pause is over: what puts it in
+            order moves arms.
         """
-        if wished(self._root) == "pause":
-            self._note("paused")
-            while wished(self._root) == "pause":
-                self._hold()
-            self._note("resumed")
+        fault = self._paused() if wished(self._root) == "pause" else None
         if wished(self._root) == "stop":
             raise StopWishedError("as wished by gonio watch")
+        if fault is not None:
+            raise fault
 
-    def _hold(self) -> None:
-        clock = self._instrument.clock
+    def _paused(self) -> DeviceFaultError | None:
+        """Hold as long as a pause is wished; return the last fault of that time."""
+        last = None
+        self._note("paused")
+        while wished(self._root) == "pause":
+            last = self._hold() or last
+        self._note("resumed")
+        return last
+
+    def _hold(self) -> DeviceFaultError | None:
+        clock, last = self._instrument.clock, None
         since_s = clock.now()
-        # watchdogs of head and drives hear that the host lives
-        self._lighting.off()
-        self._instrument.arm.attend()
+        # watchdogs of head and drives hear that the host lives, each whatever the other does
+        for attend in (self._lighting.off, self._instrument.arm.attend):
+            try:
+                attend()
+            except DeviceFaultError as fault:
+                last = fault
         self._person.sleep(_POLL_S)
-        # a twin's own time stands still otherwise; a rig's has passed
-        clock.sleep(since_s + _POLL_S - clock.now())
+        with contextlib.suppress(DeviceFaultError):  # the clock attends to the drives, too
+            # a twin's own time stands still otherwise; a rig's has passed
+            clock.sleep(since_s + _POLL_S - clock.now())
+        return last
