@@ -115,7 +115,7 @@ class DrawnFrames:
 
     def _take(self, role, shot, exposure_s):
         flux = np.zeros(11) if role == "dark" else 0.97 + 0.02 * self.random.random(11)
-        record = _record(role, shot, exposure_s, flux)
+        record = record_of(role, shot, exposure_s, flux)
         pose = ArmPose.from_degrees(record.view_theta_deg, record.view_phi_deg)
         told, holder = Frame(record, None, pose), "sample" if role == "shot" else "reference"
         light, view, nearer = self.errors.true_poses(
@@ -138,7 +138,7 @@ class DrawnFrames:
 def drawn_samples(rig, material, random, shots=8, errors=None):
     """Return a session's samples and the true values at the directions that they tell."""
     errors = errors or Errors.draw(rig, random)
-    plan = [_shot(index, rig, random) for index in range(shots)]
+    plan = [drawn_shot(index, rig, random) for index in range(shots)]
     frames = DrawnFrames(rig, material, errors, random)
     patches = PatchFinder(rig.camera, PATCH_MM)
     calibration = calibrate(frames, rig, patches, rig.camera.exposures_s, Uncorrected())
@@ -169,7 +169,7 @@ def covered(value, sigma, truth):
     return float(np.mean(np.abs(value - truth) <= Z90 * sigma))
 
 
-def _shot(index, rig, random):
+def drawn_shot(index, rig, random):
     (light_theta, view_theta), (light_phi, view_phi) = to_degrees(
         paper_directions()[random.integers(81, size=2)]
     )
@@ -180,7 +180,7 @@ def _shot(index, rig, random):
     )  # fmt: skip
 
 
-def _record(role, shot, exposure_s, flux):
+def record_of(role, shot, exposure_s, flux):
     return FrameRecord(
         role=role, shot_index=shot.index, attempt=1, repeat=0, exposure_s=exposure_s,
         file="drawn.dng", sha256="", flux=tuple(flux), view_theta_deg=shot.view_theta_deg,

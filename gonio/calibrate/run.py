@@ -79,11 +79,19 @@ def calibrate_rig(
     with instrument.ready():
         instrument.place(operator, "reference")
         steps = Steps(total, progress)
-        return _Calibration(Exposer(instrument, rig, folder, steps), rig).measure()
+        return CalibrationRun(Exposer(instrument, rig, folder, steps), rig).measure()
 
 
-class _Calibration:
-    """One run; each part is evaluated before the next is taken, so that no frames pile up."""
+class CalibrationRun:
+    """One run; each part is evaluated before the next is taken, so that no frames pile up.
+
+    Parameters
+    ----------
+    exposer
+        Moves, lights and exposes.
+    rig
+        What it is said to be.
+    """
 
     def __init__(self, exposer: Exposer, rig: Rig) -> None:
         self._exposer, self._rig = exposer, rig
@@ -91,6 +99,7 @@ class _Calibration:
         self._series: list[DarkSeries] = []
 
     def measure(self) -> Findings:
+        """Take all frames and return what they say (errors as `calibrate_rig`)."""
         exposer, rig = self._exposer, self._rig
         exposer.go((0.0, VIEWS_PHI_DEG[0]), _LIGHT_DEG)
         dark = self._dark()

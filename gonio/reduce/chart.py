@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Corners = tuple[tuple[float, float], ...]
 
 _FEW_PIXELS = 8
+_GREEN = 1
 # of each side of the frame: the chart, and not the white paper around it
 _MIDDLE = 0.5
 _MM_PER_M = 1000.0
@@ -56,6 +57,9 @@ class ChartReading:
     ----------
     factor, sigma
         Reflectance factor of the patches in white-balanced camera RGB and its noise, shape (24, 3).
+    white, white_sigma
+        What the channels, not balanced, say of white, green's as 1, and the relative noise of that,
+        which all patches share, shape (3,).
     lamps
         The numbers of those that were lit.
     raw, homography
@@ -66,6 +70,8 @@ class ChartReading:
 
     factor: NDArray[np.float64]
     sigma: NDArray[np.float64]
+    white: NDArray[np.float64]
+    white_sigma: NDArray[np.float64]
     lamps: tuple[int, ...]
     raw: RawFrame
     homography: NDArray[np.float64]
@@ -119,7 +125,8 @@ def read_chart(
 def _together(
     seen: Sequence[_ChartShot], calibration: Calibration, lamps: tuple[int, ...]
 ) -> ChartReading:
-    scale = np.pi / calibration.response.rate_per_brdf
+    response = calibration.response
+    scale = np.pi / response.rate_per_brdf
     factors = scale * np.array([[rate.value for rate in shot.rates] for shot in seen])
     variances = scale**2 * np.array([[rate.variance for rate in shot.rates] for shot in seen])
     used = [*calibration.records, *(record for shot in seen for record in shot.records)]
@@ -127,6 +134,8 @@ def _together(
     return ChartReading(
         factor=factors.mean(axis=0),
         sigma=np.sqrt(variances.sum(axis=0)) / len(seen),
+        white=response.rate_per_brdf / response.rate_per_brdf[_GREEN],
+        white_sigma=np.sqrt(response.rate.variance) / response.rate.value,
         lamps=lamps,
         raw=seen[0].raw,
         homography=seen[0].homography,

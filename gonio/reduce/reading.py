@@ -61,6 +61,8 @@ class Reading:
         In sr.
     lamps
         Each lamp's share of the light, shape (11,).
+    brightness
+        Mean flux of the lamps that were lit.
     """
 
     signal: NDArray[np.float64]
@@ -77,6 +79,7 @@ class Reading:
     light_solid_angle: float
     view_solid_angle: float
     lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(11))
+    brightness: float = 1.0
 
 
 def take_reading(
@@ -131,4 +134,5 @@ def take_reading(
         light_solid_angle=source.solid_angle,
         view_solid_angle=patch.solid_angle,
         lamps=np.asarray(flux) / sum(flux),
+        brightness=float(np.mean([each for each in flux if each > 0])),
     )
