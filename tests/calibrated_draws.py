@@ -103,9 +103,7 @@ class DrawnTwin:
         self._heat.use(self.now, in_use=True)
         self.now += exposure_s
         self._heat.use(self.now, in_use=False)
-        doses, junctions_c = (
-            np.array([b, a]) for b, a in zip(opened, self._state(), strict=True)
-        )
+        doses, junctions_c = (np.array([b, a]) for b, a in zip(opened, self._state(), strict=True))
         flux = np.zeros(11) if dark else np.diff(doses, axis=0)[0] / exposure_s
         junctions_c = junctions_c.mean(axis=0)
         warmth = (warmth + self._heat.warmth(self.now)) / 2.0
@@ -139,7 +137,7 @@ class DrawnTwin:
 
 @dataclass
 class TwinFrames:
-    """In place of `gonio.reduce.frames.Frames`: frames that a twin takes when they are asked for."""
+    """In place of `gonio.reduce.frames.Frames`: frames that a twin takes when asked for them."""
 
     twin: DrawnTwin
     remedy: str = ""

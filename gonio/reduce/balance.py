@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MODEL_SHARE: Final = 0.52
+MODEL_SHARE: Final = 0.45
 """Standard uncertainty of the mean of both balances, as a share of the distance between them.
 
 Measured cameras under lamps that change by a few percent (`make color`, docs/topics/color.md).

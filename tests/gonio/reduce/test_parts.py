@@ -7,7 +7,7 @@ from gonio.directions import from_degrees
 from gonio.errors import BadInputError
 from gonio.geometry import ArmPose
 from gonio.materials import Lambertian
-from gonio.reduce.color import camera_from_srgb
+from gonio.reduce.color import Coloring, camera_from_srgb
 from gonio.reduce.dark import mean_dark
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.light import Source
@@ -65,6 +65,20 @@ def test_photon_transfer_leaves_saturated_pixels_out():
     stack = [np.minimum(frame, 40_000) for frame in repeats(mean, 4, 1.0, 3.0, random)]
     transfer = PhotonTransfer()
     transfer.add(stack, dark, 39_000)
+    assert transfer.gain == pytest.approx(1.0, rel=0.05)
+
+
+def test_exposures_that_are_partly_saturated_count_where_there_are_no_others():
+    random = np.random.default_rng(3)
+    dark = mean_dark(list(repeats(np.zeros((100, 100)), 4, 1.0, 3.0, random)))
+    # at the limit, pixels that stay below it in all repeats are the less noisy ones
+    limit = [
+        np.minimum(f, 41_200) for f in repeats(np.full((100, 100), 40_000), 4, 1.0, 3.0, random)
+    ]
+    transfer = PhotonTransfer()
+    transfer.add(limit, dark, 41_100)
+    assert transfer.gain < 0.8
+    transfer.add(list(repeats(np.full((100, 100), 4_000), 4, 1.0, 3.0, random)), dark, 41_100)
     assert transfer.gain == pytest.approx(1.0, rel=0.05)
 
 
@@ -200,9 +214,13 @@ def white_reading(signal, saturated=False):
     )
 
 
+def by(matrix):
+    return Coloring("linear sRGB", "test", matrix, np.eye(3))
+
+
 def test_the_reference_comes_back_as_itself():
     matrix = camera_from_srgb(SENSOR.color_matrix)
-    response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), matrix)
+    response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), by(matrix))
     rate = merge([white_reading([500.0, 900.0, 600.0])], 1.0)
     np.testing.assert_allclose(response.brdf(rate), 0.99 / np.pi)
 
@@ -214,7 +232,7 @@ def test_a_colored_reference_is_allowed_for():
 
     matrix = camera_from_srgb(SENSOR.color_matrix)
     signal = 1000.0 * matrix @ [0.3, 0.2, 0.25] * [0.5, 1.0, 0.6]
-    response = respond([white_reading(signal)], 1.0, Pink(), matrix)
+    response = respond([white_reading(signal)], 1.0, Pink(), by(matrix))
     rate = merge([white_reading(signal)], 1.0)
     np.testing.assert_allclose(response.brdf(rate), [0.3, 0.2, 0.25])
 
@@ -229,4 +247,4 @@ def test_a_colored_reference_is_allowed_for():
 )
 def test_a_useless_white_reference_is_named(reading, state):
     with pytest.raises(BadInputError, match=f"the white reference is {state}"):
-        respond([reading], 1.0, Lambertian(0.99), np.eye(3))
+        respond([reading], 1.0, Lambertian(0.99), by(np.eye(3)))
