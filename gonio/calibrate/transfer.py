@@ -37,6 +37,8 @@ class Level(NamedTuple):
         Degrees of freedom of the variance.
     saturated
         Whether a pixel was.
+    values
+        How many pixels of all frames.
     """
 
     dose: float
@@ -44,6 +46,12 @@ class Level(NamedTuple):
     variance: float
     freedom: int
     saturated: bool
+    values: int
+
+    @property
+    def relative_noise(self) -> float:
+        """Of the mean, by the noise of its pixels."""
+        return float(np.sqrt(self.variance / self.values) / max(self.signal, 1.0))
 
 
 def level_of(signals: NDArray[np.float64], doses: NDArray[np.float64], *, saturated: bool) -> Level:
@@ -61,9 +69,11 @@ def level_of(signals: NDArray[np.float64], doses: NDArray[np.float64], *, satura
     means = signals.mean(axis=1)
     # shutter and lamps vary from frame to frame, by more than photons do: take that out
     even = signals * (means.mean() / means)[:, None]
-    variance = float(even.var(axis=0, ddof=1).mean())
-    freedom = (len(signals) - 1) * signals.shape[1]
-    return Level(float(doses.mean()), float(means.mean()), variance, freedom, saturated)
+    # with each frame's own level its share of the noise is gone as well
+    freedom = (len(signals) - 1) * (signals.shape[1] - 1)
+    variance = float(((even - even.mean(axis=0)) ** 2).sum()) / freedom
+    dose, mean = float(doses.mean()), float(means.mean())
+    return Level(dose, mean, variance, freedom, saturated, signals.size)
 
 
 def fit_gain(
