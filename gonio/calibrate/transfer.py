@@ -85,6 +85,7 @@ def fit_gain(
     (Janesick, Photon Transfer, 2007, chapter 5; EMVA Standard 1288), fitted by least squares
     under the uncertainty of a variance, variance x sqrt(2 / degrees of freedom). That is the
     variance which the fit foretells: by its own value one that is low by chance would weigh more.
+    What the linearity errs by, whose slope noise grows with, counts as well.
 
     Parameters
     ----------
@@ -100,6 +101,16 @@ def fit_gain(
     gonio.errors.BadInputError
         When the noise does not grow with the signal.
     """
+    gain, sigma = _fit(levels, read_variance, linearity)
+    bends = [np.add(linearity.coefficients, error) for error in linearity.errors]
+    others = [linearity.model_copy(update={"coefficients": tuple(bend)}) for bend in bends]
+    off = [_fit(levels, read_variance, other)[0] - gain for other in others]
+    return gain, float(np.linalg.norm([sigma, *off]))
+
+
+def _fit(
+    levels: Sequence[Level], read_variance: float, linearity: Linearity
+) -> tuple[float, float]:
     counted = [level for level in levels if level.signal <= _HIGHEST * linearity.raw_range]
     raw, variance = (
         np.array([getattr(level, name) for level in counted]) for name in ("signal", "variance")
