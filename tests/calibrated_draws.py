@@ -42,7 +42,7 @@ PATCH_MM = 20.0
 _MOVE_S, _READ_S = 8.0, 0.5
 
 
-def imperfect_rig(name, *, pixels=40, **camera):
+def imperfect_rig(name, *, pixels=48, **camera):
     """The built-in rig's field of view on few pixels, and what its file should state."""
     stated = Uncertainty(
         reference=0.0025, flux_monitor=0.001, angle_deg=ANGLE_DEG[name], tilt_deg=0.01,

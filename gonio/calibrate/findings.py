@@ -9,7 +9,7 @@ import numpy as np
 
 from gonio.calibrate.bad_pixels import find_bad
 from gonio.calibrate.flat import FlatField
-from gonio.calibrate.glare import dark_room, stray_light_of
+from gonio.calibrate.glare import away_from_board_px, stray_light_of
 from gonio.calibrate.linearity import fit_linearity
 from gonio.calibrate.scene import WhiteScene
 from gonio.calibrate.transfer import fit_gain, level_of
@@ -143,9 +143,9 @@ class Findings:
 
     def add_stray(self, lit: Sequence[Exposed], dark: NDArray[np.float64]) -> None:
         """Tell stray light from frames that see the dark room, and the mean dark frame there."""
-        room = dark_room(self.rig.camera, lit[0].view) & ~self._dark_bad
+        away_px = away_from_board_px(self.rig.camera, lit[0].view)
         signals = [self.linearity.undo(frame.raw.mosaic - dark) for frame in lit]
-        self.stray_light = stray_light_of(signals, room, self._scene.channel)
+        self.stray_light = stray_light_of(signals, away_px, self._scene.channel, self._dark_bad)
 
     def add_flat(self, frame: Exposed) -> None:
         """Add a frame for the flat field."""

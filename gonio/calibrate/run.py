@@ -155,13 +155,14 @@ class CalibrationRun:
     def _stray(self, findings: Findings, per_s: float) -> None:
         self._exposer.go(_STEEP_DEG, _LIGHT_DEG)
         exposure_s, current_mA = setting_for(_FLAT_LEVEL, per_s, self._exposures_s)
+        self._exposer.light(all_lamps(self._rig, current_mA))
+        lit = self._exposer.take(exposure_s, STRAY_FRAMES, "stray")
+        # at once, while the sensor is as warm as it was: lamps that warm up let it cool down
         self._exposer.light(())
-        # the sensor has warmed up since the first dark frames
         dark = Stack()
         for _ in range(STRAY_FRAMES):
             dark.add(self._exposer.take(exposure_s, 1, "dark")[0].raw.mosaic)
-        self._exposer.light(all_lamps(self._rig, current_mA))
-        findings.add_stray(self._exposer.take(exposure_s, STRAY_FRAMES, "stray"), dark.mean)
+        findings.add_stray(lit, dark.mean)
 
     def _flats(self, findings: Findings, per_s: float) -> None:
         exposure_s, current_mA = setting_for(_FLAT_LEVEL, per_s, self._exposures_s)

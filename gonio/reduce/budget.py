@@ -87,7 +87,10 @@ class Budget:
             "flux": stated.flux_monitor * flux,
             "angle": angle,
             "alignment": alignment,
-            "stray": np.abs(self._stray_light * causes.common("surround")),
+            "stray": np.hypot(
+                self._stray_light * causes.common("surround"),
+                self.doubt.halo * causes.common("around"),
+            ),
             "reference": np.abs(stated.reference * samples.value),
         }
 

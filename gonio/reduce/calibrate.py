@@ -13,6 +13,7 @@ from gonio.reduce.budget import Budget
 from gonio.reduce.color import Wanted
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.reading import take_reading
+from gonio.reduce.stray import by_the_unhidden
 from gonio.reduce.white import respond
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def calibrate(
     coloring = wanted.coloring(frames.sensor)
     gain = correction.gain or transfer.gain
     reference = coloring.shown(reference_material(rig))
-    response = respond(readings, gain, reference, coloring)
+    response = respond(by_the_unhidden(readings), gain, reference, coloring)
     budget = Budget(rig, reference, response, correction.doubt, coloring)
     return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
 

@@ -28,8 +28,8 @@ class Causes:
     """Carries causes by name from rates of samples and of the white reference to a space.
 
     Names are `photon`, `read` and `dark` for one sigma of such noise, `level` for one raw unit in
-    every frame, `surround` for a stray share of one, and `spread` for a relative error of one in
-    each frame by itself.
+    every frame, `surround` and `around` for a share of one of stray light and halo, and `spread`
+    for a relative error of one in each frame by itself.
 
     Attributes
     ----------
@@ -150,11 +150,12 @@ def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:
 
 def _effects(rate: Rate, bracket: Sequence[Reading]) -> dict[str, Array]:
     """Return what one unit of each cause does to a rate, shape (3,) each."""
-    surround = np.array([reading.surround for reading in bracket])
+    surround, around = (np.array([getattr(r, n) for r in bracket]) for n in ("surround", "around"))
     return {
         **{name: np.sqrt(getattr(rate, name)) for name in _NOISE},
         "level": rate.per_signal.sum(axis=0),
         "surround": (rate.per_signal * surround).sum(axis=0),
+        "around": (rate.per_signal * around).sum(axis=0),
         # how much of a relative error of single frames is left in their weighted mean
         "spread": np.sqrt((rate.weights**2).sum(axis=0)),
     }

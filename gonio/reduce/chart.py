@@ -23,6 +23,7 @@ from gonio.reduce.patch import PATCH_MM, Patch, PatchFinder
 from gonio.reduce.picture import best_exposed, color_picture_of
 from gonio.reduce.provenance import shot_exposures
 from gonio.reduce.reading import take_reading
+from gonio.reduce.stray import by_the_unhidden
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -186,7 +187,7 @@ def _rate(area: _Area, bracket: Sequence[Frame], rig: Rig, calibration: Calibrat
         take_reading(frame, darks[frame.record.exposure_s], area, rig, correction)
         for frame in bracket
     ]
-    return merge(readings, calibration.gain)
+    return merge(by_the_unhidden(readings), calibration.gain)
 
 
 @dataclass(frozen=True)
