@@ -124,11 +124,11 @@ def test_files_of_before_there_were_components_are_read(tmp_path, photographer):
 
 @pytest.mark.parametrize(
     ("told", "exposures_s"),
-    [(0.0, (0.4,)), (0.03, (0.4,)), (0.03, (0.2, 2.0))],
+    [(0.0, (0.35,)), (0.03, (0.35,)), (0.03, (0.2, 2.0))],
     ids=["left in", "taken off", "taken off beside paper that is saturated"],
 )
 def test_stray_light_is_taken_off_where_the_rig_file_tells_of_it(told, exposures_s):
-    # 3 % of a frame with white paper in it is much beside a dark sample; 0.5 s saturates the white
+    # 3 % of a frame with white paper in it is much beside a dark sample; 0.4 s saturates the white
     rig = small_rig(Uncertainty(), told, pixels=160, exposures_s=exposures_s)
     truly = replace(Errors.draw(rig, np.random.default_rng(0)), stray_light=0.03)
     samples, truth = drawn_samples(
