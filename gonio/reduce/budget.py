@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.reduce.causes import Causes
-from gonio.reduce.slope import smooth_fit
-from gonio.reduce.tolerance import axis_effects, seat_effects
+from gonio.reduce.slope import misfit, smooth_fit
+from gonio.reduce.tolerance import axis_effects, missed_effects, seat_effects
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -119,7 +119,11 @@ class Budget:
         if not (stated.angle_deg or stated.tilt_deg or stated.height_mm):
             return np.zeros(samples.value.shape), np.zeros(samples.value.shape)
         arms = np.array([_arms(bracket) for bracket in brackets])
-        angle, seat = self._effects(smooth_fit(samples), arms, samples.light, samples.view)
+        fit = smooth_fit(samples)
+        angle, seat = self._effects(fit, arms, samples.light, samples.view)
+        missed = samples.value * missed_effects(
+            misfit(samples, fit), arms, float(np.radians(stated.angle_deg))
+        )
         white = np.atleast_2d(
             _arms(self.response.readings), self.response.light, self.response.view
         )
@@ -128,7 +132,7 @@ class Budget:
         angle_white, seat_white = (
             np.einsum("nij,kj->kni", through, self._camera_share(each)[:, 0]) for each in at_white
         )
-        turned = samples.value * angle + angle_white
+        turned = np.concatenate([samples.value * angle + angle_white, missed])
         moved = np.concatenate([samples.value * seat, seat_white])
         return np.sqrt((turned**2).sum(axis=0)), np.sqrt((moved**2).sum(axis=0))
 
