@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MODEL_SHARE: Final = 0.45
-"""Standard uncertainty of the mean of both balances, as a share of the distance between them.
+PRIMARIES: Final = 2.0 / 3.0
+"""Weight of the balance by primaries in the mean of both."""
+
+MODEL_SHARE: Final = 0.48
+"""Standard uncertainty of that mean, as a share of the distance between both balances.
 
 Measured cameras under lamps that change by a few percent (`make color`, docs/topics/color.md).
 """
@@ -29,7 +32,7 @@ class Balance:
     Two models tell what that does to colors; both are exact for grey. Scaling each channel of the
     camera is exact where filters are narrow (von Kries' rule). Scaling each primary of linear sRGB,
     into which the matrix unmixes them, is exact where filters are mixtures of these (spectral
-    sharpening; Finlayson, Drew and Funt 1994). Cameras lie between, so the mean is taken.
+    sharpening; Finlayson, Drew and Funt 1994). Cameras lie between, so a mean is taken.
 
     Attributes
     ----------
@@ -52,7 +55,7 @@ class Balance:
     @property
     def matrix(self) -> Array:
         """The mean of both, shape (3, 3)."""
-        return (self.by_channels + self.by_primaries) / 2.0
+        return self.by_channels + PRIMARIES * (self.by_primaries - self.by_channels)
 
     def relative(self, value: Array) -> Array:
         """Return rates over the white's for BRDFs in the space, shape (n, 3)."""
@@ -81,7 +84,7 @@ class Balance:
         primaries = relative @ (to_srgb @ self.by_primaries).T
         second = self.space_from_srgb @ (shares * primaries[..., None])
         lit = self.by_primaries is not self.by_channels
-        return np.asarray(-(first + second) / 2.0 if lit else -first)
+        return np.asarray((PRIMARIES - 1.0) * first - PRIMARIES * second if lit else -first)
 
 
 def balance(coloring: Coloring, rate: Array, known: Array) -> Balance:

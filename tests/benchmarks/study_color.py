@@ -61,8 +61,8 @@ def changes(nm):
 def left_by_balances(camera_of, power, xyz, nm):
     """Return what balances leave of a change of light, in shares of their distance, shape (n, 3).
 
-    By channels, by primaries, and by the mean of both; in linear sRGB, root mean squares over the
-    patches.
+    By channels, by primaries, by half of each, and as gonio does; in linear sRGB, root mean squares
+    over the patches.
     """
     before, white = camera_of(power)
     mixed = np.linalg.inv(SRGB @ fit_matrix(before / white, xyz))
@@ -71,7 +71,8 @@ def left_by_balances(camera_of, power, xyz, nm):
         now, white_now = camera_of(power * change)
         coloring = Coloring("sRGB", "test", mixed, np.eye(3), neutral=white)
         found = balance(coloring, white_now, np.ones(3))
-        models = found.by_channels, found.by_primaries, found.matrix
+        half = (found.by_channels + found.by_primaries) / 2.0
+        models = found.by_channels, found.by_primaries, half, found.matrix
         values = [now / white_now @ each.T for each in models]
         apart = rms(values[1] - values[0])
         rows.append([rms(value - true) / apart for value in values])
@@ -96,7 +97,9 @@ def echo_balances(colour, nm, chart):
             [left_by_balances(camera_of, power, lit_xyz(power), nm) for power in lamps(colour, nm)]
         )
     found["both"] = np.concatenate(list(found.values()))
-    click.echo("left of a change of light: by channels, by primaries, by the mean of both")
+    click.echo(
+        "left of a change of light: by channels, by primaries, by half of each, as gonio does"
+    )
     for name, rows in found.items():
         click.echo(f"{name:20} " + " ".join(f"{share:.2f}" for share in map(rms, rows.T)))
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from gonio.color import SPACES
-from gonio.reduce.balance import MODEL_SHARE, balance
+from gonio.reduce.balance import MODEL_SHARE, PRIMARIES, balance
 from gonio.reduce.color import Coloring
 from sim.sensor import CAMERA_FROM_SRGB
 
@@ -67,7 +67,8 @@ def test_what_is_open_is_a_share_of_the_distance_of_the_models():
     one, other = (rates(red) @ each.T for each in (found.by_channels, found.by_primaries))
     rms = np.sqrt(((one - other) ** 2).mean())
     assert 0.002 < rms / red.max() < 0.02
-    np.testing.assert_allclose(found.model_sigma((one + other) / 2.0), MODEL_SHARE * rms)
+    mean = one + PRIMARIES * (other - one)
+    np.testing.assert_allclose(found.model_sigma(mean), MODEL_SHARE * rms)
 
 
 @given(cameras, lights, colors, spaces, st.booleans())
