@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -36,6 +36,7 @@ def seen(camera, light, space="linear-srgb", known=KNOWN, **how):
     return found, lambda srgb: (srgb * light) @ camera.T / white
 
 
+@settings(max_examples=25)
 @given(cameras, lights, colors, spaces)
 def test_a_camera_of_mixed_primaries_is_balanced_by_these(camera, light, srgb, space):
     found, rates = seen(camera, light, space)
@@ -44,6 +45,7 @@ def test_a_camera_of_mixed_primaries_is_balanced_by_these(camera, light, srgb, s
     )
 
 
+@settings(max_examples=25)
 @given(lights, colors)
 def test_a_camera_of_narrow_filters_is_balanced_by_channels(light, srgb):
     found, rates = seen(np.diag([0.5, 1.0, 0.6]), light)
@@ -52,6 +54,7 @@ def test_a_camera_of_narrow_filters_is_balanced_by_channels(light, srgb):
     np.testing.assert_allclose(found.model_sigma(srgb), 0.0, atol=1e-12)
 
 
+@settings(max_examples=25)
 @given(cameras, lights, spaces, st.floats(0.01, 0.5))
 def test_grey_is_exact_whatever_the_light(camera, light, space, factor):
     found, rates = seen(camera, light, space)
@@ -71,6 +74,7 @@ def test_what_is_open_is_a_share_of_the_distance_of_the_models():
     np.testing.assert_allclose(found.model_sigma(mean), MODEL_SHARE * rms)
 
 
+@settings(max_examples=25)
 @given(cameras, lights, colors, spaces, st.booleans())
 def test_what_white_frames_err_by_is_the_derivative(camera, light, srgb, space, lit):
     known = np.array([0.3, 0.25, 0.2])
