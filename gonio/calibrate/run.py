@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gonio.calibrate.dark import Stack, dark_maps
+from gonio.calibrate.dark import Stack, dark_before, dark_maps
 from gonio.calibrate.exposing import Exposer
 from gonio.calibrate.findings import Findings
 from gonio.calibrate.lighting import FULL_CURRENT_MA, all_lamps, level_of, level_per_s, setting_for
@@ -159,10 +159,8 @@ class CalibrationRun:
         lit = self._exposer.take(exposure_s, STRAY_FRAMES, "stray")
         # at once, while the sensor is as warm as it was: lamps that warm up let it cool down
         self._exposer.light(())
-        dark = Stack()
-        for _ in range(STRAY_FRAMES):
-            dark.add(self._exposer.take(exposure_s, 1, "dark")[0].raw.mosaic)
-        findings.add_stray(lit, dark.mean)
+        dark = self._exposer.take(exposure_s, STRAY_FRAMES, "dark")
+        findings.add_stray(lit, dark_before(dark, lit))
 
     def _flats(self, findings: Findings, per_s: float) -> None:
         exposure_s, current_mA = setting_for(_FLAT_LEVEL, per_s, self._exposures_s)

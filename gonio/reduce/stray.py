@@ -32,8 +32,8 @@ def frame_mean(raw: RawFrame, dark: Dark, linearity: Linearity | None) -> NDArra
     as it is: so g x this is what it adds. Saturated pixels hide how bright they were
     (`by_the_unhidden`).
     """
-    (mean,) = _weighted(raw, dark, linearity, [_even(raw)])
-    return mean
+    mean = _weighted(raw, dark, linearity, [_even(raw)])[0]
+    return np.asarray(mean)
 
 
 _HOT_SHARE = 0.002
