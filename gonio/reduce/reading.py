@@ -42,7 +42,7 @@ class Reading:
         Mean irradiance x time x the pixels' response, in s/mm2 (see `gonio.reduce.light.Source`),
         shape (3,).
     pixels
-        How many pixels, shape (3,).
+        How many pixels, as `gonio.reduce.patch.Patch` counts them, shape (3,).
     saturated
         Whether any of them was, shape (3,).
     read_variance, dark_variance
@@ -72,7 +72,7 @@ class Reading:
 
     signal: NDArray[np.float64]
     exposure: NDArray[np.float64]
-    pixels: NDArray[np.intp]
+    pixels: NDArray[np.float64]
     saturated: NDArray[np.bool_]
     read_variance: float
     dark_variance: float
@@ -127,7 +127,7 @@ def take_reading(
         signal=patch.mean(correction.linear(raw - patch.of(dark.mean))) - stray.taken,
         exposure=exposure,
         pixels=patch.pixels,
-        saturated=patch.mean((raw >= correction.saturation(sensor)).astype(np.float64)) > 0,
+        saturated=patch.any(raw >= correction.saturation(sensor)),
         read_variance=dark.read_variance,
         dark_variance=dark.mean_variance,
         surround=stray.surround,

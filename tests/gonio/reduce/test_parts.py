@@ -107,6 +107,21 @@ def test_the_patch_is_the_square_in_the_middle(view_deg):
     np.testing.assert_array_equal(patch.channel, SENSOR.channel(patch.rows, patch.columns))
 
 
+# at 75 deg across the rows red and blue have a single one each, and nothing moves their middles
+@pytest.mark.parametrize(
+    ("view_deg", "left_mm"),
+    [((0, 0), 0.1), ((30, 200), 0.1), ((60, 45), 0.1), ((75, 13), 0.1), ((75, 180), 1.0)],
+)
+def test_all_channels_look_at_one_middle(view_deg, left_mm):
+    patch = PatchFinder(RIG.camera, 5.0).find(ArmPose.from_degrees(*view_deg), SENSOR)
+    middles = np.stack([patch.mean(where) for where in patch.points_mm[:, :2].T], axis=-1)
+    np.testing.assert_allclose(patch.mean(np.ones(len(patch.rows))), 1.0)
+    # as seen from 2 m, 0.1 mm are 0.003 deg
+    assert np.ptp(middles, axis=0).max() < 2.0 * left_mm
+    assert (patch.pixels <= np.bincount(patch.channel) + 1e-9).all()
+    assert (patch.pixels > np.bincount(patch.channel) / 2).all()
+
+
 def test_the_patch_is_found_where_the_whole_picture_has_it():
     from gonio.camera import Camera
 
