@@ -14,6 +14,7 @@ from gonio.colorimetry.detection import at_corners, find_chart, patch_numbers
 from gonio.directions import normalize
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.geometry import SAMPLE_SIDE_MM
 from gonio.reduce.calibrate import calibrate
 from gonio.reduce.color import Wanted
 from gonio.reduce.correction import correction_in
@@ -164,9 +165,7 @@ class _ChartShot:
     ) -> _ChartShot:
         best = best_exposed(bracket, _MIDDLE)
         try:
-            homography = (
-                at_corners(corners_px) if corners_px else find_chart(color_picture_of(best.raw))
-            )
+            homography = at_corners(corners_px) if corners_px else _found(best, rig)
             areas = _areas(homography, best, rig, calibration.correction.bad)
         except BadInputError as error:
             raise BadInputError(f"shot {shot.index}: {error}") from None
@@ -179,6 +178,18 @@ class _ChartShot:
                 )
         records = tuple(frame.record for frame in bracket)
         return cls(rates, records, best.raw, homography)
+
+
+def _found(frame: Frame, rig: Rig) -> NDArray[np.float64]:
+    """Find the chart in the holder's opening: the board's squares around it look like patches."""
+    picture = color_picture_of(frame.raw)
+    points = Camera(rig.camera).plane_points(frame.view)[::2, ::2][: len(picture)]
+    opening = (np.abs(points[:, : picture.shape[1]]) <= SAMPLE_SIDE_MM / 2.0).all(axis=-1)
+    try:
+        return find_chart(np.where(opening[..., None], picture, 0).astype(np.uint8))
+    except BadInputError:
+        # one that is larger than a sample lies on the board
+        return find_chart(picture)
 
 
 def _rate(area: _Area, bracket: Sequence[Frame], rig: Rig, calibration: Calibration) -> Rate:
