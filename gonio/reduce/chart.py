@@ -184,9 +184,9 @@ def _found(frame: Frame, rig: Rig) -> NDArray[np.float64]:
     """Find the chart in the holder's opening: the board's squares around it look like patches."""
     picture = color_picture_of(frame.raw)
     points = Camera(rig.camera).plane_points(frame.view)[::2, ::2][: len(picture)]
-    opening = (np.abs(points[:, : picture.shape[1]]) <= SAMPLE_SIDE_MM / 2.0).all(axis=-1)
+    reach = np.abs(points[:, : picture.shape[1]]).max(axis=-1, keepdims=True)
     try:
-        return find_chart(np.where(opening[..., None], picture, 0).astype(np.uint8))
+        return find_chart(np.where(reach <= SAMPLE_SIDE_MM / 2.0, picture, 0).astype(np.uint8))
     except BadInputError:
         # one that is larger than a sample lies on the board
         return find_chart(picture)

@@ -80,7 +80,7 @@ class Patch:
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mean over each channel's pixels, shape (n,) to (3,)."""
-        return np.bincount(self.channel, self.weights * values, minlength=3)
+        return np.asarray(np.bincount(self.channel, self.weights * values, minlength=3), np.float64)
 
     def any(self, those: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return whether one of each channel's pixels is such, shape (n,) to (3,)."""
