@@ -9,7 +9,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) -
 KERNEL := setup.py $(wildcard gonio/kernel/* nnbrdf/kernel/* planner/kernel/*)
 
 .PHONY: help setup demo test test-slow fuzz bench bench-evaluate bench-rehearsal calibration designs adaptive few-shots left-out \
-	bad-capture sampling mitsuba twin chain color coverage expected imperfections scenes texels docs format clean
+	bad-capture sampling mitsuba twin chain color coverage arms expected imperfections scenes texels docs format clean
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -87,8 +87,12 @@ imperfections: setup  ## what imperfections of camera and lamps do to samples (1
 designs: setup   ## criteria of choice against chance, on a folder of measured tables: MATERIALS=folder
 	$(BIN)/python tests/benchmarks/study_designs.py $(MATERIALS)
 
-coverage: setup  ## do 90 % intervals of samples hold nine of ten, over 1000 sessions that err (10 minutes)
-	$(BIN)/python -m tests.benchmarks.study_coverage
+TWIN ?= ideal
+coverage: setup  ## do 90 % intervals of samples hold nine of ten, over 1000 sessions that err (10 minutes; TWIN=calibrated: 20)
+	$(BIN)/python -m tests.benchmarks.study_coverage --twin $(TWIN)
+
+arms: setup      ## what arms that bend do to samples, and which stated angle holds it (10 seconds)
+	$(BIN)/python -m tests.benchmarks.study_arms
 
 PX ?= 800
 chain: setup     ## every command on less than ideal twins, recovered beside injected: PX=2000 for a large sensor

@@ -99,17 +99,17 @@ class AlignedPose(ArmPose):
     def _frame(self) -> NDArray[np.float64]:
         return self.alignment.frames(self.theta, self.phi)
 
-    @property
+    @cached_property
     def right(self) -> NDArray[np.float64]:
         """Unit vector forward x up, shape (3,)."""
         return np.asarray(self._frame[0])
 
-    @property
+    @cached_property
     def up(self) -> NDArray[np.float64]:
         """Unit vector towards the upper edge of the picture, shape (3,)."""
         return np.asarray(self._frame[1])
 
-    @property
+    @cached_property
     def direction(self) -> NDArray[np.float64]:
         """Unit vector from where the axes meet to the arm's end, shape (3,)."""
         return np.asarray(self._frame[2])

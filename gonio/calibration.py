@@ -145,6 +145,24 @@ class LampStrength(Document):
     sigma: float
 
 
+class Halo(Document):
+    """Light that is spread about what is bright, by a bell.
+
+    Attributes
+    ----------
+    share
+        Of each pixel's light.
+    sigma
+        Standard uncertainty of that.
+    width
+        Standard deviation of the bell, as a share of the frame's width.
+    """
+
+    share: float
+    sigma: float
+    width: float
+
+
 class StrayLight(Document):
     """Share of a frame's light that is spread over all of it, seen beside the board.
 
@@ -154,10 +172,13 @@ class StrayLight(Document):
         Of the frame's mean.
     sigma
         Standard uncertainty of that.
+    halo
+        Where there is one.
     """
 
     share: float
     sigma: float
+    halo: Halo | None = Field(default=None, exclude_if=lambda it: it is None)
 
 
 class BadPixels(Document):

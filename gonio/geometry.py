@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,19 +34,19 @@ class ArmPose:
         """Return the pose for angles in degrees."""
         return cls(math.radians(theta_deg), math.radians(phi_deg))
 
-    @property
+    @cached_property
     def direction(self) -> NDArray[np.float64]:
         """Unit vector from the sample to the arm's end, shape (3,)."""
         sin, cos = math.sin(self.theta), math.cos(self.theta)
         return np.array([sin * math.cos(self.phi), sin * math.sin(self.phi), cos])
 
-    @property
+    @cached_property
     def up(self) -> NDArray[np.float64]:
         """Unit vector -d(direction)/d(theta), shape (3,)."""
         sin, cos = math.sin(self.theta), math.cos(self.theta)
         return np.array([-cos * math.cos(self.phi), -cos * math.sin(self.phi), sin])
 
-    @property
+    @cached_property
     def right(self) -> NDArray[np.float64]:
         """Unit vector forward x up, shape (3,), where forward points at the sample."""
         return np.cross(-self.direction, self.up)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Final
 
+from pydantic import Field
+
 from gonio.validation import Document, within
 
 Relative = Annotated[float, within(0, 0.5)]
@@ -35,6 +37,7 @@ COMPONENTS: Final = (
     Component("dark", True, "noise of the mean dark frames; drift of the black level"),
     Component("white", True, "noise and flux of the white frames"),
     Component("calibration", True, "flat field, linearity and lamps as gonio calibrate found them"),
+    Component("color", True, "the light's color, the camera's matrix, and what lamps drift"),
     Component("flux", False, "the lamps' flux monitor, frame by frame"),
     Component("angle", True, "zero of each axis, through the slope of the BRDF and the cosine"),
     Component("alignment", True, "tilt and height of the sample, and of the reference"),
@@ -55,6 +58,9 @@ class Uncertainty(Document):
         Of the white reference's BRDF, relative.
     flux_monitor
         Of the lamps' measured flux from frame to frame, relative.
+    lamp_color
+        By how much lamps' colors change against each other, relative, for each unit of relative
+        change of their flux since the white frames.
     angle_deg
         Of the zero of each axis.
     tilt_deg
@@ -69,6 +75,7 @@ class Uncertainty(Document):
 
     reference: Relative = 0.0
     flux_monitor: Relative = 0.0
+    lamp_color: Annotated[float, within(0, 5)] = Field(default=0.0, exclude_if=lambda it: not it)
     angle_deg: Annotated[float, within(0, 1)] = 0.0
     tilt_deg: Annotated[float, within(0, 1)] = 0.0
     height_mm: Annotated[float, within(0, 5)] = 0.0

@@ -6,6 +6,7 @@ import hashlib
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -186,5 +187,10 @@ def _signed_rationals(tag: int, values: Iterable[float]) -> _Field:
 
 def _ratios(values: Iterable[float]) -> list[int]:
     """Return numerators and denominators in turn, each value to about 14 digits."""
-    fractions = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
-    return [part for fraction in fractions for part in fraction.as_integer_ratio()]
+    return [part for value in values for part in _ratio(float(value))]
+
+
+# a matrix is the same in all frames
+@lru_cache(maxsize=32)
+def _ratio(value: float) -> tuple[int, int]:
+    return Fraction(value).limit_denominator(_FINEST).as_integer_ratio()

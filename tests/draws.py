@@ -1,6 +1,7 @@
 """Sessions on the twin whose calibration errs, each time anew, and what their intervals hold."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,29 @@ def small_rig(stated=STATED, stray_light=STRAY_LIGHT, *, pixels=40, exposures_s=
     )
 
 
+@dataclass(frozen=True)
+class TiltedPose(ArmPose):
+    """A pose as a tilted sample sees it; at the pole, too, the camera is turned as its arm is."""
+
+    tilt_rad: tuple = (0.0, 0.0)
+
+    @cached_property
+    def right(self):
+        return self._tilted(super().right)
+
+    @cached_property
+    def up(self):
+        return self._tilted(super().up)
+
+    @cached_property
+    def direction(self):
+        return self._tilted(super().direction)
+
+    def _tilted(self, direction):
+        # small turns about +x and +y add up
+        return normalize(direction + np.cross([*self.tilt_rad, 0.0], direction))
+
+
 @dataclass
 class Errors:
     """What is wrong in one session, drawn from what the rig file states."""
@@ -76,13 +100,13 @@ class Errors:
 
     def true_poses(self, holder, light, view, distance_mm):
         """Return where light and view truly are, seen from the sample, and the light's factor."""
-        poses = [
-            ArmPose(*(np.array([told.theta, told.phi]) + off)).direction
+        light, view = (
+            TiltedPose(told.theta + off[0], told.phi + off[1], tuple(self.tilt_rad[holder]))
             for told, off in zip((light, view), self.axis_rad, strict=True)
-        ]
-        light, view = (_tilted(direction, self.tilt_rad[holder]) for direction in poses)
-        to_lamps = distance_mm * light - self.height_mm[holder] * view / view[2]
-        return _pose(to_lamps), _pose(view), distance_mm**2 / (to_lamps @ to_lamps)
+        )
+        down = self.height_mm[holder] * view.direction / view.direction[2]
+        to_lamps = distance_mm * light.direction - down
+        return _pose(to_lamps), view, distance_mm**2 / (to_lamps @ to_lamps)
 
 
 @dataclass
@@ -115,7 +139,7 @@ class DrawnFrames:
 
     def _take(self, role, shot, exposure_s):
         flux = np.zeros(11) if role == "dark" else 0.97 + 0.02 * self.random.random(11)
-        record = _record(role, shot, exposure_s, flux)
+        record = record_of(role, shot, exposure_s, flux)
         pose = ArmPose.from_degrees(record.view_theta_deg, record.view_phi_deg)
         told, holder = Frame(record, None, pose), "sample" if role == "shot" else "reference"
         light, view, nearer = self.errors.true_poses(
@@ -138,7 +162,7 @@ class DrawnFrames:
 def drawn_samples(rig, material, random, shots=8, errors=None):
     """Return a session's samples and the true values at the directions that they tell."""
     errors = errors or Errors.draw(rig, random)
-    plan = [_shot(index, rig, random) for index in range(shots)]
+    plan = [drawn_shot(index, rig, random) for index in range(shots)]
     frames = DrawnFrames(rig, material, errors, random)
     patches = PatchFinder(rig.camera, PATCH_MM)
     calibration = calibrate(frames, rig, patches, rig.camera.exposures_s, Uncorrected())
@@ -169,7 +193,7 @@ def covered(value, sigma, truth):
     return float(np.mean(np.abs(value - truth) <= Z90 * sigma))
 
 
-def _shot(index, rig, random):
+def drawn_shot(index, rig, random):
     (light_theta, view_theta), (light_phi, view_phi) = to_degrees(
         paper_directions()[random.integers(81, size=2)]
     )
@@ -180,18 +204,13 @@ def _shot(index, rig, random):
     )  # fmt: skip
 
 
-def _record(role, shot, exposure_s, flux):
+def record_of(role, shot, exposure_s, flux):
     return FrameRecord(
         role=role, shot_index=shot.index, attempt=1, repeat=0, exposure_s=exposure_s,
         file="drawn.dng", sha256="", flux=tuple(flux), view_theta_deg=shot.view_theta_deg,
         view_phi_deg=shot.view_phi_deg, light_theta_deg=shot.light_theta_deg,
         light_phi_deg=shot.light_phi_deg,
     )  # fmt: skip
-
-
-def _tilted(direction, tilt_rad):
-    # small turns about +x and +y add up
-    return normalize(direction + np.cross([*tilt_rad, 0.0], direction))
 
 
 def _pose(direction):

@@ -110,4 +110,4 @@ class Samples(core.Samples):
         return f"<Samples: {self}>"
 
     def _repr_html_(self) -> str:
-        return str(self.to_table().to_html(max_rows=10))
+        return str(self.to_table().to_html(max_rows=10, float_format="{:.4g}".format))

@@ -6,13 +6,14 @@ import contextlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gonio.bluesky.devices import ArmDevice, CameraDevice, HolderDevice, LampsDevice
+from gonio.bluesky.arm import ArmDevice
+from gonio.bluesky.devices import CameraDevice, HolderDevice, LampsDevice
+from gonio.bluesky.record import Record
 from gonio.bluesky.status import Worker
 from gonio.capture import check_reach, check_space
 from gonio.capture.lighting import Lighting
 from gonio.capture.wanted import Missing
 from gonio.files import make_folder
-from gonio.intact import new_inputs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,26 +85,20 @@ def _put_together(
     missing = Missing(session, chain, journal.frames(), journal.rejected())
     todo = [shot for shot in chain.shots if missing.of_shot(shot)]
     check_reach(todo, rig)
-    frames = sum(len(missing.of_shot(shot)) for shot in todo)
-    check_space(session.root, frames, rig, "free some space")
+    check_space(session.root, missing.count(todo), rig, "free some space")
     instrument, operator = ours.enter_context(driven)
+    record = Record(session, chain, journal, missing, instrument.clock)
     for folder in (session.calibration, session.raw):
         make_folder(folder)  # it may have gone with all its frames
     lighting = Lighting(instrument.lamps, rig.lamps, instrument.clock)
-    journal.append(
-        instrument.clock, "begun", plan=chain.last.sha256, rig=rig.sha256, frames=frames,
-        inputs=new_inputs(session.root, journal),
-    )  # fmt: skip
-
-    def fault(what: str, did: str) -> None:
-        journal.append(instrument.clock, "fault", what=what, did=did)
-
-    instrument.troubles.listener = fault
+    record.begin()
+    ours.callback(record.end)
+    instrument.troubles.listener = record.fault
     return Bench(
         session=session,
         chain=chain,
         missing=missing,
-        arm=ArmDevice(instrument, rig, worker),
+        arm=ArmDevice(instrument, rig, worker, record),
         lamps=LampsDevice(lighting, instrument, worker),
         camera=CameraDevice(session, instrument, journal, missing, worker),
         holder=HolderDevice(lighting, instrument, operator, worker),

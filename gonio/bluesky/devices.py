@@ -1,17 +1,18 @@
-"""Arm, lamps, camera and holder as devices of Bluesky (`bluesky.protocols`)."""
+"""Lamps, camera and holder as devices of Bluesky (`bluesky.protocols`)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
+from gonio.bluesky.device import Device
 from gonio.capture.frames import FrameTaker
 from gonio.capture.usage import Stopwatch
 from gonio.errors import DeviceFaultError
-from gonio.rig import AXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
+    from gonio.bluesky.device import Readings
     from gonio.bluesky.status import Work, Worker
     from gonio.capture import Instrument, Operator
     from gonio.capture.instrument import Holder
@@ -20,92 +21,9 @@ if TYPE_CHECKING:
     from gonio.intact import FrameKey
     from gonio.journal import FrameRecord, Journal
     from gonio.plan import LampSetting
-    from gonio.rig import Rig
     from gonio.session import Session
 
-    Readings = dict[str, dict[str, Any]]
-
 LAMPS: Final = 11
-
-
-class Device:
-    """What all four share: a name, no parent, and the rig's thread."""
-
-    parent = None
-
-    def __init__(self, name: str, instrument: Instrument, worker: Worker) -> None:
-        self.name = name
-        self._instrument = instrument
-        self._worker = worker
-
-    def _readings(self, values: Mapping[str, object]) -> Readings:
-        now = self._instrument.clock.utc().timestamp()
-        return {f"{self.name}_{key}": {"value": v, "timestamp": now} for key, v in values.items()}
-
-    def _keys(self, shapes: Mapping[str, tuple[str, list[int], str | None]]) -> Readings:
-        return {
-            f"{self.name}_{key}": {"source": f"gonio:{self.name}", "dtype": dtype, "shape": shape}
-            | ({} if units is None else {"units": units})
-            for key, (dtype, shape, units) in shapes.items()
-        }
-
-
-class ArmDevice(Device):
-    """Four axes: set to angles in degrees by name, read from the encoders.
-
-    Movable, Readable, Stageable (enabled and homed; left disabled), Stoppable and Pausable.
-    """
-
-    def __init__(self, instrument: Instrument, rig: Rig, worker: Worker) -> None:
-        super().__init__("arm", instrument, worker)
-        self._rig = rig
-
-    def set(self, angles_deg: Mapping[str, float]) -> Work:
-        """Move by a way on which nothing comes too near, until all axes are in place and still."""
-        return self._worker.begin(self._move, dict(angles_deg))
-
-    def read(self) -> Readings:
-        """Return the encoders' angles."""
-        angles = self._worker.do(self._instrument.arm.angles_deg)
-        return self._readings({f"{name}_deg": angles[name] for name in AXES})
-
-    def describe(self) -> Readings:
-        """Return what `read` returns, in Bluesky's words."""
-        return self._keys({f"{name}_deg": ("number", [], "deg") for name in AXES})
-
-    def stage(self) -> Work:
-        """Enable and home all axes."""
-        return self._worker.begin(self._begin)
-
-    def unstage(self) -> Work:
-        """Stop and disable all axes."""
-        return self._worker.begin(self._instrument.arm.stop)
-
-    def pause(self) -> None:
-        """Disable the axes, so that nobody is surprised and no watchdog waits."""
-        self._worker.do(self._instrument.arm.release)
-
-    def resume(self) -> None:
-        """Enable them."""
-        self._worker.do(self._instrument.arm.enable)
-
-    def stop(self, success: bool = False) -> None:
-        """End a move that is under way; its status fails."""
-        del success
-        self._instrument.meanwhile.errand = _halt
-
-    def _begin(self) -> None:
-        self._instrument.meanwhile.errand = None
-        self._instrument.arm.enable()
-        self._instrument.arm.home()
-
-    def _move(self, angles_deg: Mapping[str, float]) -> None:
-        self._instrument.meanwhile.errand = None
-        self._instrument.move_clear(angles_deg, self._rig)
-
-
-def _halt() -> bool:
-    raise DeviceFaultError("arm: the move was stopped by the RunEngine; run the plan again")
 
 
 class LampsDevice(Device):

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
+
+    from gonio.calibrate.exposing import Exposed
 
 
 class Stack:
@@ -43,6 +45,19 @@ class Stack:
         """Of each pixel from frame to frame, shape (height, width); two frames at least."""
         assert self._squares is not None
         return self._squares / (self.count - 1)
+
+
+def dark_before(dark: Sequence[Exposed], lit: Sequence[Exposed]) -> NDArray[np.float64]:
+    """Return the mean of dark frames as it was when lit ones were taken, shape (height, width).
+
+    A sensor in use gets warmer: the line through the dark frames' levels is followed back.
+    """
+    when, before = (np.array([frame.since_start_s for frame in each]) for each in (dark, lit))
+    mean = np.mean([frame.raw.mosaic for frame in dark], axis=0)
+    away = when - when.mean()
+    levels = np.array([frame.raw.mosaic.mean() for frame in dark])
+    growth = float(away @ levels / (away @ away))
+    return np.asarray(mean + growth * (before.mean() - when.mean()))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gonio.calibrate.bad_pixels import find_bad
 from gonio.calibrate.flat import FlatField
-from gonio.calibrate.glare import dark_room, stray_light_of
+from gonio.calibrate.glare import away_from_board_px, stray_light_of
 from gonio.calibrate.linearity import fit_linearity
 from gonio.calibrate.scene import WhiteScene
 from gonio.calibrate.transfer import fit_gain, level_of
@@ -31,6 +31,8 @@ _GREEN = 1
 # as `gonio.reduce.raw.Sensor.saturation`: sensors bend before they clip
 _SATURATED = 0.98
 _QUANTIZATION = 1.0 / 12.0
+# of linearity and the light's color, each of which tells the other
+_ROUNDS = 4
 
 
 class Findings:
@@ -123,22 +125,27 @@ class Findings:
 
     def fit_sensor(self) -> None:
         """Fit linearity and gain to the levels."""
-        # lamps change color as they warm up, red and blue against green: green alone is a line
-        green = [levels[_GREEN] for levels in self._levels if not levels[_GREEN].saturated]
-        dose, signal = (np.array([getattr(g, name) for g in green]) for name in ("dose", "signal"))
-        raw_range = float(self.sensor.white - self.sensor.black)
-        self.linearity, scale = fit_linearity(dose, signal, raw_range)
-        free = [level for levels in self._levels for level in levels if not level.saturated]
-        self.gain, self.gain_sigma = fit_gain(free, self.dark.read_variance, self.linearity)
+        free = [levels for levels in self._levels if not any(each.saturated for each in levels)]
+        dose = np.array([levels[_GREEN].dose for levels in free])
+        signal = np.array([[each.signal for each in levels] for levels in free]).reshape(-1, 3)
+        noise = np.array([levels[_GREEN].relative_noise for levels in free])
+        raw_range, color = float(self.sensor.white - self.sensor.black), None
+        # how red the light was is known once red and blue are linear, too
+        for _ in range(_ROUNDS):
+            self.linearity, scale = fit_linearity(dose, signal[:, _GREEN], raw_range, color, noise)
+            red, _, blue = np.log(self.linearity.undo(signal).clip(1.0)).T
+            color = red - blue
+        single = [each for levels in self._levels for each in levels if not each.saturated]
+        self.gain, self.gain_sigma = fit_gain(single, self.dark.read_variance, self.linearity)
         self.points = [
             point.model_copy(update={"dose": scale * point.dose}) for point in self.points
         ]
 
     def add_stray(self, lit: Sequence[Exposed], dark: NDArray[np.float64]) -> None:
         """Tell stray light from frames that see the dark room, and the mean dark frame there."""
-        room = dark_room(self.rig.camera, lit[0].view) & ~self._dark_bad
+        away_px = away_from_board_px(self.rig.camera, lit[0].view)
         signals = [self.linearity.undo(frame.raw.mosaic - dark) for frame in lit]
-        self.stray_light = stray_light_of(signals, room, self._scene.channel)
+        self.stray_light = stray_light_of(signals, away_px, self._scene.channel, self._dark_bad)
 
     def add_flat(self, frame: Exposed) -> None:
         """Add a frame for the flat field."""

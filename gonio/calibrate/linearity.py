@@ -15,17 +15,23 @@ if TYPE_CHECKING:
 _DEGREE = 4
 # of the range: EMVA Standard 1288 judges linearity between these levels
 _LOW, _HIGH = 0.05, 0.95
+# of the lamps' monitors over a few frames, relative
+_MONITOR = 2e-4
 # levels are means, and their brightest pixels lie so much higher
 _BEYOND = 1.1
 
 
 def fit_linearity(
-    dose: NDArray[np.float64], signal: NDArray[np.float64], raw_range: float
+    dose: NDArray[np.float64],
+    signal: NDArray[np.float64],
+    raw_range: float,
+    color: NDArray[np.float64] | None = None,
+    noise: NDArray[np.float64] | None = None,
 ) -> tuple[Linearity, float]:
     """Fit the polynomial that makes signals proportional to doses.
 
-    The relative residuals are least: k dose / s - c1 u - c2 u^2 - ... = 1, which is linear in k
-    and c.
+    The relative residuals over their sigma are least: k dose / s - c1 u - c2 u^2 - ... - a color
+    = 1, which is linear in k, c and a.
 
     Parameters
     ----------
@@ -33,6 +39,11 @@ def fit_linearity(
         Light in any unit, and raw units above dark, shape (n,), of unsaturated frames.
     raw_range
         The range in raw units.
+    color
+        How red the light was, in any unit, shape (n,): doses are of all its colors, and a channel
+        sees some of them more. Without it, of one color.
+    noise
+        Relative, of the signals by photons, shape (n,); what monitors scatter comes on top.
 
     Returns
     -------
@@ -53,9 +64,14 @@ def fit_linearity(
         )
     u = signal / raw_range
     columns = [dose / signal, *(-(u**power) for power in range(1, _DEGREE + 1))]
+    if color is not None:
+        columns.append(color - color.mean())
     matrix = np.stack(columns, axis=1)
-    (raw_per_dose, *bend), *_ = np.linalg.lstsq(matrix, np.ones(len(u)))
-    rest = matrix @ [raw_per_dose, *bend] - 1.0
+    certainty = np.hypot(_MONITOR, 0.0 if noise is None else noise) ** -1.0
+    weighted = matrix * np.broadcast_to(certainty, u.shape)[:, None]
+    best, *_ = np.linalg.lstsq(weighted, certainty * np.ones(len(u)))
+    raw_per_dose, *bend = best[: _DEGREE + 1]
+    rest = weighted @ best - certainty
     judged = (u >= _LOW) & (u <= _HIGH)
     found = Linearity(
         coefficients=tuple(float(c) for c in bend),
@@ -63,7 +79,7 @@ def fit_linearity(
         reach=_BEYOND * float(u.max()),
         deviation=_largest_deviation(dose[judged], signal[judged]),
         left=0.0,
-        errors=_errors(matrix, rest),
+        errors=_errors(weighted, rest),
     )
     left = _largest_deviation(dose[judged], found.undo(signal)[judged])
     return found.model_copy(update={"left": left}), float(raw_per_dose)
@@ -72,13 +88,18 @@ def fit_linearity(
 def _errors(
     matrix: NDArray[np.float64], rest: NDArray[np.float64]
 ) -> tuple[tuple[float, ...], ...]:
-    """Return independent errors of the bending's coefficients, by the scatter about the fit.
+    """Return independent errors of the bending's coefficients, by noise or scatter about the fit.
 
     Principal axes of their covariance (JCGM 100:2008, H.3, for a straight line).
     """
-    variance = float(rest @ rest) / (len(rest) - matrix.shape[1])
-    covariance = variance * np.linalg.pinv(matrix.T @ matrix)[1:, 1:]
-    variances, axes = np.linalg.eigh(covariance)
+    # that the noise which is known fits better by chance makes nothing surer
+    variance = max(float(rest @ rest) / (len(rest) - matrix.shape[1]), 1.0)
+    # doses may be in any unit, and a pseudoinverse takes small columns for none
+    size = np.linalg.norm(matrix, axis=0)
+    covariance = (
+        variance * np.linalg.pinv((matrix / size).T @ (matrix / size)) / np.outer(size, size)
+    )
+    variances, axes = np.linalg.eigh(covariance[1 : _DEGREE + 1, 1 : _DEGREE + 1])
     scaled = np.sqrt(variances.clip(0.0))[:, None] * axes.T
     return tuple(tuple(row) for row in scaled.tolist())
 

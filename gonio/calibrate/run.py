@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gonio.calibrate.dark import Stack, dark_maps
+from gonio.calibrate.dark import Stack, dark_before, dark_maps
 from gonio.calibrate.exposing import Exposer
 from gonio.calibrate.findings import Findings
 from gonio.calibrate.lighting import FULL_CURRENT_MA, all_lamps, level_of, level_per_s, setting_for
@@ -79,11 +79,19 @@ def calibrate_rig(
     with instrument.ready():
         instrument.place(operator, "reference")
         steps = Steps(total, progress)
-        return _Calibration(Exposer(instrument, rig, folder, steps), rig).measure()
+        return CalibrationRun(Exposer(instrument, rig, folder, steps), rig).measure()
 
 
-class _Calibration:
-    """One run; each part is evaluated before the next is taken, so that no frames pile up."""
+class CalibrationRun:
+    """One run; each part is evaluated before the next is taken, so that no frames pile up.
+
+    Parameters
+    ----------
+    exposer
+        Moves, lights and exposes.
+    rig
+        What it is said to be.
+    """
 
     def __init__(self, exposer: Exposer, rig: Rig) -> None:
         self._exposer, self._rig = exposer, rig
@@ -91,6 +99,7 @@ class _Calibration:
         self._series: list[DarkSeries] = []
 
     def measure(self) -> Findings:
+        """Take all frames and return what they say (errors as `calibrate_rig`)."""
         exposer, rig = self._exposer, self._rig
         exposer.go((0.0, VIEWS_PHI_DEG[0]), _LIGHT_DEG)
         dark = self._dark()
@@ -146,13 +155,12 @@ class _Calibration:
     def _stray(self, findings: Findings, per_s: float) -> None:
         self._exposer.go(_STEEP_DEG, _LIGHT_DEG)
         exposure_s, current_mA = setting_for(_FLAT_LEVEL, per_s, self._exposures_s)
-        self._exposer.light(())
-        # the sensor has warmed up since the first dark frames
-        dark = Stack()
-        for _ in range(STRAY_FRAMES):
-            dark.add(self._exposer.take(exposure_s, 1, "dark")[0].raw.mosaic)
         self._exposer.light(all_lamps(self._rig, current_mA))
-        findings.add_stray(self._exposer.take(exposure_s, STRAY_FRAMES, "stray"), dark.mean)
+        lit = self._exposer.take(exposure_s, STRAY_FRAMES, "stray")
+        # at once, while the sensor is as warm as it was: lamps that warm up let it cool down
+        self._exposer.light(())
+        dark = self._exposer.take(exposure_s, STRAY_FRAMES, "dark")
+        findings.add_stray(lit, dark_before(dark, lit))
 
     def _flats(self, findings: Findings, per_s: float) -> None:
         exposure_s, current_mA = setting_for(_FLAT_LEVEL, per_s, self._exposures_s)

@@ -37,6 +37,8 @@ class Level(NamedTuple):
         Degrees of freedom of the variance.
     saturated
         Whether a pixel was.
+    values
+        How many pixels of all frames.
     """
 
     dose: float
@@ -44,6 +46,12 @@ class Level(NamedTuple):
     variance: float
     freedom: int
     saturated: bool
+    values: int
+
+    @property
+    def relative_noise(self) -> float:
+        """Of the mean, by the noise of its pixels."""
+        return float(np.sqrt(self.variance / self.values) / max(self.signal, 1.0))
 
 
 def level_of(signals: NDArray[np.float64], doses: NDArray[np.float64], *, saturated: bool) -> Level:
@@ -61,9 +69,11 @@ def level_of(signals: NDArray[np.float64], doses: NDArray[np.float64], *, satura
     means = signals.mean(axis=1)
     # shutter and lamps vary from frame to frame, by more than photons do: take that out
     even = signals * (means.mean() / means)[:, None]
-    variance = float(even.var(axis=0, ddof=1).mean())
-    freedom = (len(signals) - 1) * signals.shape[1]
-    return Level(float(doses.mean()), float(means.mean()), variance, freedom, saturated)
+    # with each frame's own level its share of the noise is gone as well
+    freedom = (len(signals) - 1) * (signals.shape[1] - 1)
+    variance = float(((even - even.mean(axis=0)) ** 2).sum()) / freedom
+    dose, mean = float(doses.mean()), float(means.mean())
+    return Level(dose, mean, variance, freedom, saturated, signals.size)
 
 
 def fit_gain(
@@ -75,6 +85,7 @@ def fit_gain(
     (Janesick, Photon Transfer, 2007, chapter 5; EMVA Standard 1288), fitted by least squares
     under the uncertainty of a variance, variance x sqrt(2 / degrees of freedom). That is the
     variance which the fit foretells: by its own value one that is low by chance would weigh more.
+    What the linearity errs by, whose slope noise grows with, counts as well.
 
     Parameters
     ----------
@@ -90,6 +101,16 @@ def fit_gain(
     gonio.errors.BadInputError
         When the noise does not grow with the signal.
     """
+    gain, sigma = _fit(levels, read_variance, linearity)
+    bends = [np.add(linearity.coefficients, error) for error in linearity.errors]
+    others = [linearity.model_copy(update={"coefficients": tuple(bend)}) for bend in bends]
+    off = [_fit(levels, read_variance, other)[0] - gain for other in others]
+    return gain, float(np.linalg.norm([sigma, *off]))
+
+
+def _fit(
+    levels: Sequence[Level], read_variance: float, linearity: Linearity
+) -> tuple[float, float]:
     counted = [level for level in levels if level.signal <= _HIGHEST * linearity.raw_range]
     raw, variance = (
         np.array([getattr(level, name) for level in counted]) for name in ("signal", "variance")

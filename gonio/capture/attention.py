@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING
 
 from gonio.errors import DeviceFaultError
@@ -32,7 +33,7 @@ class Attention:
     instrument, lighting
         What is held while the capture pauses: arms where they are, lamps off.
     note
-        Told of the beginning and the end of a pause, and of the first fault in it.
+        Told of the beginning and the end of a pause.
     person
         The time of whoever watches, which passes on a twin, too.
     """
@@ -42,7 +43,7 @@ class Attention:
         root: Path,
         instrument: Instrument,
         lighting: Lighting,
-        note: Callable[..., None],
+        note: Callable[[str], None],
         person: Clock,
     ) -> None:
         self._root = root
@@ -59,45 +60,40 @@ class Attention:
     def heed(self) -> None:
         """Return when nothing stands against going on; lamps that were off warm up again then.
 
-        What fails during a pause is put in order after it: nothing moves while somebody may stand
-        at the rig.
-
         Raises
         ------
         StopWishedError
             When the capture is to end.
         gonio.errors.DeviceFaultError
-            When a device failed meanwhile.
+            The last of a device that failed meanwhile, once the pause is over: what puts it in
+            order moves arms.
         """
-        fault = self._pause() if wished(self._root) == "pause" else None
+        fault = self._paused() if wished(self._root) == "pause" else None
         if wished(self._root) == "stop":
             raise StopWishedError("as wished by gonio watch")
         if fault is not None:
             raise fault
 
-    def _pause(self) -> DeviceFaultError | None:
-        """Hold until that is no longer wished; return the first fault meanwhile."""
+    def _paused(self) -> DeviceFaultError | None:
+        """Hold as long as a pause is wished; return the last fault of that time."""
+        last = None
         self._note("paused")
-        first: DeviceFaultError | None = None
         while wished(self._root) == "pause":
-            fault = self._hold()
-            if first is None and fault is not None:
-                first = fault
-                self._note("fault", what=str(fault), did="left until the pause ends")
+            last = self._hold() or last
         self._note("resumed")
-        return first
+        return last
 
     def _hold(self) -> DeviceFaultError | None:
-        clock = self._instrument.clock
+        clock, last = self._instrument.clock, None
         since_s = clock.now()
-        fault: DeviceFaultError | None = None
-        # watchdogs of head and drives hear that the host lives, of one where the other is gone
+        # watchdogs of head and drives hear that the host lives, each whatever the other does
         for attend in (self._lighting.off, self._instrument.arm.attend):
             try:
                 attend()
-            except DeviceFaultError as failed:
-                fault = failed
+            except DeviceFaultError as fault:
+                last = fault
         self._person.sleep(_POLL_S)
-        # a twin's own time stands still otherwise; a rig's has passed
-        clock.sleep(since_s + _POLL_S - clock.now())
-        return fault
+        with contextlib.suppress(DeviceFaultError):  # the clock attends to the drives, too
+            # a twin's own time stands still otherwise; a rig's has passed
+            clock.sleep(since_s + _POLL_S - clock.now())
+        return last

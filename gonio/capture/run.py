@@ -100,7 +100,7 @@ class Capture:
 
     def _run(self, progress: Progress | None) -> int:
         todo, dark, white = self._todo(), self._missing.dark(), self._missing.white()
-        total = len(dark) + len(white) + sum(len(self._missing.of_shot(shot)) for shot in todo)
+        total = self._missing.count(todo)
         check_reach(todo, self._rig)
         check_space(self._session.root, total, self._rig, self._space_remedy())
         if not total:

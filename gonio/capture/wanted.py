@@ -10,7 +10,7 @@ from gonio.intact import verified_frames
 from gonio.timemodel import DARK_FRAMES, WHITE_FRAMES
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from gonio.intact import FrameKey
     from gonio.journal import FrameRecord, Role
@@ -76,6 +76,11 @@ class Missing:
     def of_shot(self, shot: Shot) -> list[Wanted]:
         """Return the frames of a shot to take."""
         return self._missing("shot", shot.index, 1, shot.exposures_s)
+
+    def count(self, shots: Iterable[Shot]) -> int:
+        """Return how many frames are to be taken: of these shots, and to calibrate them."""
+        of_shots = sum(len(self.of_shot(shot)) for shot in shots)
+        return len(self.dark()) + len(self.white()) + of_shots
 
     def _calibration(self, role: Role, repeats: int) -> list[Wanted]:
         return self._missing(role, 0, repeats, self._exposures)

@@ -10,7 +10,7 @@ from gonio.chart import patch_names, published_xyz
 from gonio.cli._console import progress_bar
 from gonio.colorimetry.color_file import ChartMatrix, ColorFile, PatchColor
 from gonio.colorimetry.difference import delta_e_2000
-from gonio.colorimetry.matrix import fit_matrix
+from gonio.colorimetry.matrix import fit_matrix, matrix_errors
 from gonio.errors import BadInputError
 from gonio.files import sha256_file
 from gonio.reduce.chart import read_chart
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from gonio.colorimetry.color_file import Matrix, Three
     from gonio.reduce.chart import ChartReading, Corners
     from gonio.session import Session
 
@@ -105,10 +106,22 @@ def _matrix_of(
     names = ("name", "camera", "sigma", "reference", "found", "delta_e")
     return ChartMatrix(
         lamps=reading.lamps,
-        xyz_from_camera=tuple(map(tuple, matrix.tolist())),
+        xyz_from_camera=_plain(matrix),
+        white=_three(reading.white),
+        errors=tuple(map(_plain, matrix_errors(reading.factor, reference, reading.white_sigma))),
         reference=source,
         frames_sha256=reading.frames_sha256,
         patches=tuple(
             PatchColor.model_validate(dict(zip(names, row, strict=True))) for row in rows
         ),
     )
+
+
+def _plain(matrix: NDArray[np.float64]) -> Matrix:
+    first, second, third = map(_three, matrix)
+    return first, second, third
+
+
+def _three(numbers: NDArray[np.float64]) -> Three:
+    first, second, third = numbers.tolist()
+    return first, second, third

@@ -44,6 +44,7 @@ def against_injected(findings: Findings, seed: int, sizes: CameraImperfections) 
         ("hot pixels", *_hot(findings, np.broadcast_to(pattern.dark, findings.bad.shape))),
         _flat_row(findings, pattern.response * _falloff(spec, sizes)),
         _stray_row(findings, sizes),
+        _halo_row(findings, sizes),
         ("lamps' strengths", f"{min(strengths):.4f} to {max(strengths):.4f}", "1"),
     ]
 
@@ -89,6 +90,12 @@ def _stray_row(findings: Findings, sizes: CameraImperfections) -> Row:
     seen = findings.stray_light
     found = f"{100 * seen.share:.3f} % +- {100 * seen.sigma:.3f} %" if seen else "not seen"
     return "stray light", found, f"{100 * sizes.camera_glare:.3f} %"
+
+
+def _halo_row(findings: Findings, sizes: CameraImperfections) -> Row:
+    halo = findings.stray_light.halo if findings.stray_light else None
+    found = f"{100 * halo.share:.2f} %, {halo.width:.3f} wide" if halo else "not seen"
+    return "halo", found, f"{100 * sizes.camera_halo:.2f} %, {sizes.camera_halo_width:.3f} wide"
 
 
 def _falloff(spec: CameraSpec, sizes: CameraImperfections) -> NDArray[np.float64]:

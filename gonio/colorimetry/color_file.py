@@ -27,6 +27,7 @@ _REMEDY = "make it anew with: gonio color SESSION"
 
 Number = Annotated[float, within(-1e9, 1e9)]
 Three = tuple[Number, Number, Number]
+Matrix = tuple[Three, Three, Three]
 
 
 class PatchColor(Document):
@@ -61,6 +62,11 @@ class ChartMatrix(Document):
         Their numbers.
     xyz_from_camera
         White-balanced camera RGB to XYZ under D65; it maps (1, 1, 1) to D65's white.
+    white
+        What the channels, not balanced, say of white under these lamps, green's as 1. Files of
+        before tell neither this nor `errors`.
+    errors
+        Of `xyz_from_camera`, such as occur independently, one standard uncertainty each.
     reference
         Where the patches' colors are from, in words, with the SHA-256 of files.
     frames_sha256
@@ -70,7 +76,9 @@ class ChartMatrix(Document):
     """
 
     lamps: tuple[int, ...]
-    xyz_from_camera: tuple[Three, Three, Three]
+    xyz_from_camera: Matrix
+    white: Three | None = Field(default=None, exclude_if=lambda it: it is None)
+    errors: tuple[Matrix, ...] = Field(default=(), exclude_if=lambda it: not it)
     reference: str
     frames_sha256: str
     patches: tuple[PatchColor, ...]

@@ -185,8 +185,7 @@ class Arm:
 
     def attend(self) -> None:
         """Let the drives' watchdogs hear that the host lives (errors as for `enable`)."""
-        for axis in self._axes.values():
-            axis.attend()
+        self._each(AxisDrive.attend)
 
     def try_to_stop(self) -> None:
         """Send every axis its quick stop at once and only once, and wait for none."""

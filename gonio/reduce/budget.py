@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.reduce.causes import Causes
-from gonio.reduce.slope import smooth_fit
-from gonio.reduce.tolerance import axis_effects, seat_effects
+from gonio.reduce.slope import misfit, smooth_fit
+from gonio.reduce.tolerance import axis_effects, missed_effects, seat_effects
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
+    from gonio.reduce.color import Coloring
     from gonio.reduce.doubt import Doubt
     from gonio.reduce.merge import Rate
     from gonio.reduce.reading import Reading
@@ -48,12 +49,15 @@ class Budget:
         What the white frames told.
     doubt
         How well the sensor's correction is known.
+    coloring
+        How camera channels become the space.
     """
 
     rig: Rig
     reference: Material
     response: Response
     doubt: Doubt
+    coloring: Coloring
 
     def components(
         self, samples: Samples, rates: Sequence[Rate], brackets: Sequence[Sequence[Reading]]
@@ -68,10 +72,9 @@ class Budget:
             What each value was made from.
         """
         stated, response = self.rig.uncertainty, self.response
-        camera = samples.value @ response.camera_from_space.T
-        causes = Causes(response, camera, rates, brackets, self.doubt)
+        causes = Causes(response, samples.value, rates, brackets, self.doubt)
         flux, flux_of_white = causes.frame_by_frame()
-        angle, alignment = self._geometry(samples, camera, brackets)
+        angle, alignment = self._geometry(samples, brackets)
         level = stated.black_level_dn * causes.common("level")
         white_flux = stated.flux_monitor * flux_of_white * samples.value
         return {
@@ -80,10 +83,14 @@ class Budget:
             "dark": np.hypot(causes.independent("dark"), level),
             "white": np.hypot(causes.white_noise(), white_flux),
             "calibration": causes.calibration(),
+            "color": self._color(causes),
             "flux": stated.flux_monitor * flux,
             "angle": angle,
             "alignment": alignment,
-            "stray": np.abs(self._stray_light * causes.common("surround")),
+            "stray": np.hypot(
+                self._stray_light * causes.common("surround"),
+                self.doubt.halo * causes.common("around"),
+            ),
             "reference": np.abs(stated.reference * samples.value),
         }
 
@@ -97,22 +104,36 @@ class Budget:
             else float(np.hypot(stated, self.doubt.stray_light))
         )
 
+    def _color(self, causes: Causes) -> Array:
+        """Return what colors of lamps and matrix leave open, shape (n, 3)."""
+        model = self.response.balance.model_sigma(causes.value)
+        matrix = np.einsum("kij,nj->kni", self.coloring.errors, causes.camera)
+        drift = self.rig.uncertainty.lamp_color * causes.fading()[:, None] * causes.value
+        return np.asarray(np.sqrt(model**2 + (matrix**2).sum(axis=0) + drift**2))
+
     def _geometry(
-        self, samples: Samples, camera: Array, brackets: Sequence[Sequence[Reading]]
+        self, samples: Samples, brackets: Sequence[Sequence[Reading]]
     ) -> tuple[Array, Array]:
         """Return the components angle and alignment, each of shape (n, 3)."""
         stated = self.rig.uncertainty
         if not (stated.angle_deg or stated.tilt_deg or stated.height_mm):
             return np.zeros(samples.value.shape), np.zeros(samples.value.shape)
         arms = np.array([_arms(bracket) for bracket in brackets])
-        angle, seat = self._effects(smooth_fit(samples), arms, samples.light, samples.view)
+        fit = smooth_fit(samples)
+        angle, seat = self._effects(fit, arms, samples.light, samples.view)
+        missed = samples.value * missed_effects(
+            misfit(samples, fit), arms, float(np.radians(stated.angle_deg))
+        )
         white = np.atleast_2d(
             _arms(self.response.readings), self.response.light, self.response.view
         )
         at_white = self._effects(self.reference, *white)
-        angle_white, seat_white = (camera * self._camera_share(each) for each in at_white)
-        turned = samples.value * angle - self.response.in_space(angle_white)
-        moved = np.concatenate([samples.value * seat, self.response.in_space(seat_white)])
+        through = self.response.balance.through_white(samples.value)
+        angle_white, seat_white = (
+            np.einsum("nij,kj->kni", through, self._camera_share(each)[:, 0]) for each in at_white
+        )
+        turned = np.concatenate([samples.value * angle + angle_white, missed])
+        moved = np.concatenate([samples.value * seat, seat_white])
         return np.sqrt((turned**2).sum(axis=0)), np.sqrt((moved**2).sum(axis=0))
 
     def _effects(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from gonio.errors import BadInputError
 from gonio.materials import reference_material
@@ -11,12 +13,12 @@ from gonio.reduce.budget import Budget
 from gonio.reduce.color import Wanted
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.reading import take_reading
+from gonio.reduce.stray import by_the_unhidden
 from gonio.reduce.white import respond
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from gonio.journal import FrameRecord, Role
@@ -90,16 +92,24 @@ def calibrate(
         correction.check(frames.sensor)
         dark = darks[exposure_s] = correction.dark(_mosaics(dark_frames), exposure_s)
         transfer.add(_mosaics(white_frames), dark, frames.sensor.saturation)
-        readings += [take_reading(frame, dark, patches, rig, correction) for frame in white_frames]
+        readings += _alike([take_reading(f, dark, patches, rig, correction) for f in white_frames])
         records += [frame.record for frame in (*dark_frames, *white_frames)]
     if not readings:
         raise _lacking(frames, "white", "there is no valid white frame")
     coloring = wanted.coloring(frames.sensor)
     gain = correction.gain or transfer.gain
     reference = coloring.shown(reference_material(rig))
-    response = respond(readings, gain, reference, coloring.camera_from_space)
-    budget = Budget(rig, reference, response, correction.doubt)
+    response = respond(by_the_unhidden(readings), gain, reference, coloring)
+    budget = Budget(rig, reference, response, correction.doubt, coloring)
     return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
+
+
+def _alike(readings: Sequence[Reading]) -> list[Reading]:
+    """Return repeats of one exposure, all saturated where one is: those left are the low ones."""
+    if not readings:
+        return []
+    saturated = np.any([reading.saturated for reading in readings], axis=0)
+    return [replace(reading, saturated=saturated) for reading in readings]
 
 
 def _mosaics(frames: Sequence[Frame]) -> list[NDArray[np.uint16]]:

@@ -28,15 +28,15 @@ class Causes:
     """Carries causes by name from rates of samples and of the white reference to a space.
 
     Names are `photon`, `read` and `dark` for one sigma of such noise, `level` for one raw unit in
-    every frame, `surround` for a stray share of one, and `spread` for a relative error of one in
-    each frame by itself.
+    every frame, `surround` and `around` for a share of one of stray light and halo, and `spread`
+    for a relative error of one in each frame by itself.
 
     Attributes
     ----------
     response
         What the white frames told.
-    camera
-        The samples' BRDF in camera channels, 1/sr, shape (n, 3).
+    value
+        The samples' BRDF in the space, 1/sr, shape (n, 3).
     rates, brackets
         What each sample was made from.
     doubt
@@ -44,7 +44,7 @@ class Causes:
     """
 
     response: Response
-    camera: Array
+    value: Array
     rates: Sequence[Rate]
     brackets: Sequence[Sequence[Reading]]
     doubt: Doubt
@@ -55,13 +55,13 @@ class Causes:
 
     def common(self, name: str) -> Array:
         """Return the signed error for a cause that samples and white frames share, shape (n, 3)."""
-        through_white = self.camera * self._of_white[name] / self.response.rate.value
-        return self.response.in_space(self._of_samples[name] / self._scale - through_white)
+        of_samples = self.response.in_space(self._of_samples[name] / self._scale)
+        return of_samples + self._by_white(self._of_white[name] / self.response.rate.value)
 
     def white_noise(self) -> Array:
         """Return sigma for the noise of the white frames, shape (n, 3)."""
         relative = self.response.rate.variance / self.response.rate.value**2
-        return self.response.sigma_in_space(self.camera**2 * relative)
+        return np.asarray(np.sqrt(self._through_white**2 @ relative))
 
     def calibration(self) -> Array:
         """Return sigma for the sensor's correction, shape (n, 3).
@@ -70,8 +70,8 @@ class Causes:
         themselves. What bends and what lamps do to both cancels.
         """
         pixels, of_white = (self._pixels(bracket) for bracket in (self.brackets, [self._whites]))
-        variance = self.camera**2 * self.doubt.flat**2 * (1.0 / pixels + 1.0 / of_white)
-        squares = self.response.sigma_in_space(variance) ** 2
+        squares = self.response.sigma_in_space(self.camera**2 * self.doubt.flat**2 / pixels) ** 2
+        squares += self._through_white**2 @ (self.doubt.flat**2 / of_white[0])
         squares += sum((self._bent(each) ** 2 for each in self.doubt.bends), np.zeros(1))
         return np.sqrt(squares + self._lamps() ** 2)
 
@@ -82,6 +82,12 @@ class Causes:
         """
         of_samples = self.response.in_space(self._of_samples["spread"] * self.camera)
         return np.abs(of_samples), float(self._of_white["spread"].max())
+
+    def fading(self) -> Array:
+        """Return how far the lamps' flux is from that of the white frames, relative, shape (n,)."""
+        of_samples = [np.mean([r.brightness for r in bracket]) for bracket in self.brackets]
+        of_white = np.mean([reading.brightness for reading in self._whites])
+        return np.asarray(np.abs(np.log(np.array(of_samples) / of_white)))
 
     @property
     def _whites(self) -> Sequence[Reading]:
@@ -97,8 +103,8 @@ class Causes:
         one = replace(self.doubt, bends=coefficients[None])
         of_samples = [_bending(one, *pair) for pair in zip(self.rates, self.brackets, strict=True)]
         of_white = _bending(one, self.response.rate, self._whites)
-        through_white = self.camera * of_white / self.response.rate.value
-        return self.response.in_space(np.array(of_samples) / self._scale - through_white)
+        shifted = self.response.in_space(np.array(of_samples) / self._scale)
+        return shifted + self._by_white(of_white / self.response.rate.value)
 
     def _lamps(self) -> Array:
         """Return sigma for the lamps' strengths, shape (n, 3)."""
@@ -108,6 +114,19 @@ class Causes:
         )
         relative = np.linalg.norm((shares - of_white) * self.doubt.lamps, axis=1)
         return self.response.in_space(self.camera * relative[:, None])
+
+    def _by_white(self, relative: Array) -> Array:
+        """Return the signed error for relative errors of the white's rates, shape (n, 3)."""
+        return np.asarray(self._through_white @ relative)
+
+    @cached_property
+    def _through_white(self) -> Array:
+        return self.response.balance.through_white(self.value)
+
+    @property
+    def camera(self) -> Array:
+        """The samples in white-balanced camera channels, 1/sr, shape (n, 3)."""
+        return np.asarray(self.value @ self.response.camera_from_space.T)
 
     @property
     def _scale(self) -> Array:
@@ -131,11 +150,12 @@ def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:
 
 def _effects(rate: Rate, bracket: Sequence[Reading]) -> dict[str, Array]:
     """Return what one unit of each cause does to a rate, shape (3,) each."""
-    surround = np.array([reading.surround for reading in bracket])
+    surround, around = (np.array([getattr(r, n) for r in bracket]) for n in ("surround", "around"))
     return {
         **{name: np.sqrt(getattr(rate, name)) for name in _NOISE},
         "level": rate.per_signal.sum(axis=0),
         "surround": (rate.per_signal * surround).sum(axis=0),
+        "around": (rate.per_signal * around).sum(axis=0),
         # how much of a relative error of single frames is left in their weighted mean
         "spread": np.sqrt((rate.weights**2).sum(axis=0)),
     }

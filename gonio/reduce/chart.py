@@ -14,6 +14,7 @@ from gonio.colorimetry.detection import at_corners, find_chart, patch_numbers
 from gonio.directions import normalize
 from gonio.errors import BadInputError
 from gonio.files import canonical_json, sha256_bytes
+from gonio.geometry import SAMPLE_SIDE_MM
 from gonio.reduce.calibrate import calibrate
 from gonio.reduce.color import Wanted
 from gonio.reduce.correction import correction_in
@@ -23,6 +24,7 @@ from gonio.reduce.patch import PATCH_MM, Patch, PatchFinder
 from gonio.reduce.picture import best_exposed, color_picture_of
 from gonio.reduce.provenance import shot_exposures
 from gonio.reduce.reading import take_reading
+from gonio.reduce.stray import by_the_unhidden
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 Corners = tuple[tuple[float, float], ...]
 
 _FEW_PIXELS = 8
+_GREEN = 1
 # of each side of the frame: the chart, and not the white paper around it
 _MIDDLE = 0.5
 _MM_PER_M = 1000.0
@@ -56,6 +59,9 @@ class ChartReading:
     ----------
     factor, sigma
         Reflectance factor of the patches in white-balanced camera RGB and its noise, shape (24, 3).
+    white, white_sigma
+        What the channels, not balanced, say of white, green's as 1, and the relative noise of that,
+        which all patches share, shape (3,).
     lamps
         The numbers of those that were lit.
     raw, homography
@@ -66,6 +72,8 @@ class ChartReading:
 
     factor: NDArray[np.float64]
     sigma: NDArray[np.float64]
+    white: NDArray[np.float64]
+    white_sigma: NDArray[np.float64]
     lamps: tuple[int, ...]
     raw: RawFrame
     homography: NDArray[np.float64]
@@ -119,7 +127,8 @@ def read_chart(
 def _together(
     seen: Sequence[_ChartShot], calibration: Calibration, lamps: tuple[int, ...]
 ) -> ChartReading:
-    scale = np.pi / calibration.response.rate_per_brdf
+    response = calibration.response
+    scale = np.pi / response.rate_per_brdf
     factors = scale * np.array([[rate.value for rate in shot.rates] for shot in seen])
     variances = scale**2 * np.array([[rate.variance for rate in shot.rates] for shot in seen])
     used = [*calibration.records, *(record for shot in seen for record in shot.records)]
@@ -127,6 +136,8 @@ def _together(
     return ChartReading(
         factor=factors.mean(axis=0),
         sigma=np.sqrt(variances.sum(axis=0)) / len(seen),
+        white=response.rate_per_brdf / response.rate_per_brdf[_GREEN],
+        white_sigma=np.sqrt(response.rate.variance) / response.rate.value,
         lamps=lamps,
         raw=seen[0].raw,
         homography=seen[0].homography,
@@ -154,9 +165,7 @@ class _ChartShot:
     ) -> _ChartShot:
         best = best_exposed(bracket, _MIDDLE)
         try:
-            homography = (
-                at_corners(corners_px) if corners_px else find_chart(color_picture_of(best.raw))
-            )
+            homography = at_corners(corners_px) if corners_px else _found(best, rig)
             areas = _areas(homography, best, rig, calibration.correction.bad)
         except BadInputError as error:
             raise BadInputError(f"shot {shot.index}: {error}") from None
@@ -171,13 +180,25 @@ class _ChartShot:
         return cls(rates, records, best.raw, homography)
 
 
+def _found(frame: Frame, rig: Rig) -> NDArray[np.float64]:
+    """Find the chart in the holder's opening: the board's squares around it look like patches."""
+    picture = color_picture_of(frame.raw)
+    points = Camera(rig.camera).plane_points(frame.view)[::2, ::2][: len(picture)]
+    reach = np.abs(points[:, : picture.shape[1]]).max(axis=-1, keepdims=True)
+    try:
+        return find_chart(np.where(reach <= SAMPLE_SIDE_MM / 2.0, picture, 0).astype(np.uint8))
+    except BadInputError:
+        # one that is larger than a sample lies on the board
+        return find_chart(picture)
+
+
 def _rate(area: _Area, bracket: Sequence[Frame], rig: Rig, calibration: Calibration) -> Rate:
     darks, correction = calibration.darks, calibration.correction
     readings = [
         take_reading(frame, darks[frame.record.exposure_s], area, rig, correction)
         for frame in bracket
     ]
-    return merge(readings, calibration.gain)
+    return merge(by_the_unhidden(readings), calibration.gain)
 
 
 @dataclass(frozen=True)

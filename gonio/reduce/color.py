@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from gonio.protocols import Material
     from gonio.reduce.raw import Sensor
     from gonio.session import Session
+
+_NO_ERRORS: Final = np.zeros((0, 3, 3))
 
 DEFAULT_SPACE: Final = "linear-srgb"
 CHOICES: Final = (*SPACES, "camera")
@@ -83,6 +85,12 @@ class Coloring:
         Between white-balanced camera RGB, the space and linear sRGB, shape (3, 3).
     channels
         Their names.
+    neutral
+        What the channels, not balanced, say of white in the light that the matrix was made for, up
+        to one factor, shape (3,); None where nothing tells.
+    errors
+        Of the matrix from camera channels to the space, such as occur independently, one standard
+        uncertainty each, shape (n, 3, 3).
     """
 
     space: str
@@ -90,6 +98,8 @@ class Coloring:
     camera_from_space: NDArray[np.float64]
     space_from_srgb: NDArray[np.float64]
     channels: tuple[str, ...] = RGB
+    neutral: NDArray[np.float64] | None = None
+    errors: NDArray[np.float64] = field(default_factory=lambda: _NO_ERRORS)
 
     @property
     def white(self) -> NDArray[np.float64]:
@@ -130,22 +140,44 @@ class Wanted:
         """
         if self.space == "camera":
             return Coloring(CAMERA, "none", np.eye(3), camera_of_white(sensor.color_matrix))
-        to_camera, made_by = self._camera_from_srgb(sensor)
-        space = SPACES[self.space]
-        to_camera = to_camera @ np.linalg.inv(space.from_srgb)
-        return Coloring(space.name, made_by, to_camera, space.from_srgb, space.channels)
+        return self._by_chart(sensor) if self.chart else self._by_file(sensor)
 
-    def _camera_from_srgb(self, sensor: Sensor) -> tuple[NDArray[np.float64], str]:
-        if self.chart is None:
-            return camera_from_srgb(sensor.color_matrix), "ColorMatrix1"
+    def _by_file(self, sensor: Sensor) -> Coloring:
+        to_camera = camera_from_srgb(sensor.color_matrix)
+        unbalanced = np.reshape(sensor.color_matrix, (3, 3)) @ XYZ_FROM_SRGB
+        neutral = unbalanced.sum(axis=1) if sensor.scaled else None
+        return self._in_space(to_camera, "ColorMatrix1", neutral)
+
+    def _by_chart(self, sensor: Sensor) -> Coloring:
+        assert self.chart is not None
         shot, here = self.chart.camera, sensor.identity
         if (shot.model, shot.pattern) != (here.model, here.pattern):
             raise BadInputError(
                 f"the chart was shot with camera {shot.model} {shot.pattern}, and this session "
                 f"with {here.model} {here.pattern}; shoot the chart with this one"
             )
-        matrix = self.chart.under(self.lamps).matrix
-        return np.linalg.inv(matrix) @ XYZ_FROM_SRGB, "chart"
+        found = self.chart.under(self.lamps)
+        to_camera = np.linalg.inv(found.matrix) @ XYZ_FROM_SRGB
+        neutral = None if found.white is None else np.array(found.white)
+        return self._in_space(to_camera, "chart", neutral, np.reshape(found.errors, (-1, 3, 3)))
+
+    def _in_space(
+        self,
+        to_camera: NDArray[np.float64],
+        made_by: str,
+        neutral: NDArray[np.float64] | None,
+        xyz_errors: NDArray[np.float64] = _NO_ERRORS,
+    ) -> Coloring:
+        space = SPACES[self.space]
+        return Coloring(
+            space=space.name,
+            made_by=made_by,
+            camera_from_space=to_camera @ np.linalg.inv(space.from_srgb),
+            space_from_srgb=space.from_srgb,
+            channels=space.channels,
+            neutral=neutral,
+            errors=space.from_srgb @ np.linalg.inv(XYZ_FROM_SRGB) @ xyz_errors,
+        )
 
 
 def wanted_in(session: Session, space: str | None, shots: Sequence[Shot]) -> Wanted:

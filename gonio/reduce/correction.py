@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.calibration import CalibrationDocument, Linearity
+    from gonio.calibration import CalibrationDocument, Halo, Linearity
     from gonio.reduce.raw import Sensor
 
     Mosaics = Sequence[NDArray[np.uint16]]
@@ -44,6 +44,10 @@ class Correction(Protocol):
     @property
     def stray_light(self) -> float:
         """Share of a frame's light that is spread over all of it; the rig file's goes before."""
+
+    @property
+    def halo(self) -> Halo | None:
+        """Light that is spread about what is bright; None: not known."""
 
     @property
     def doubt(self) -> Doubt:
@@ -75,6 +79,7 @@ class Uncorrected:
     gain = None
     linearity = None
     stray_light = 0.0
+    halo = None
     doubt = Doubt()
 
     def check(self, sensor: Sensor) -> None:
@@ -151,6 +156,11 @@ class Calibrated:
     def stray_light(self) -> float:
         """As it was seen in the dark room; 0 where it was not."""
         return self.document.stray_light.share if self.document.stray_light else 0.0
+
+    @property
+    def halo(self) -> Halo | None:
+        """As it was seen beside the board."""
+        return self.document.stray_light.halo if self.document.stray_light else None
 
     @cached_property
     def doubt(self) -> Doubt:

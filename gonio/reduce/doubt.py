@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from gonio.calibration import CalibrationDocument
 
 _LAMPS: Final = 11
+# no halo is a bell: what is taken off is believed to a fifth
+_HALO_SHAPE: Final = 0.2
 
 
 @dataclass(frozen=True)
@@ -30,8 +32,8 @@ class Doubt:
         In raw units, which the linearity is a function of the share of.
     lamps
         Of each lamp's strength, relative, shape (11,).
-    stray_light
-        Of the share of stray light.
+    stray_light, halo
+        Of the shares of stray light and of the halo.
     """
 
     flat: float = 0.0
@@ -39,6 +41,7 @@ class Doubt:
     raw_range: float = 1.0
     lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(_LAMPS))
     stray_light: float = 0.0
+    halo: float = 0.0
 
     @classmethod
     def of(cls, document: CalibrationDocument) -> Doubt:
@@ -47,12 +50,14 @@ class Doubt:
         for lamp in document.lamps:
             lamps[lamp.n - 1] = lamp.sigma / lamp.strength
         errors = document.linearity.errors
+        halo = document.stray_light.halo if document.stray_light else None
         return cls(
             flat=document.flat_sigma,
             bends=np.array(errors).reshape(len(errors), len(document.linearity.coefficients)),
             raw_range=document.linearity.raw_range,
             lamps=lamps,
             stray_light=document.stray_light.sigma if document.stray_light else 0.0,
+            halo=float(np.hypot(halo.sigma, _HALO_SHAPE * halo.share)) if halo else 0.0,
         )
 
     def bending(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,16 +16,21 @@ if TYPE_CHECKING:
     from gonio.reduce.dark import Dark
 
 
+_HOT_SHARE = 0.01
+
+
 class PhotonTransfer:
     """Gathers repeats of an evenly lit scene and tells the gain.
 
     The variance of a pixel from repeat to repeat is gain x signal + read variance, in raw units
     (Janesick, Photon Transfer, 2007, chapter 5), so the gain is the sum of all excess variances
-    over the sum of all signals, which no unevenness of the light can disturb.
+    over the sum of all signals, which no unevenness of the light can disturb. Exposures that
+    saturate more than a few hot pixels count only where there are no others: of pixels at the limit
+    those that stay below it in every repeat are the less noisy ones.
     """
 
     def __init__(self) -> None:
-        self._excess = self._signal = 0.0
+        self._whole, self._partly = np.zeros(2), np.zeros(2)
 
     def add(self, mosaics: Sequence[NDArray[np.uint16]], dark: Dark, saturation: float) -> None:
         """Add repeats of one exposure, each of shape (height, width); one alone tells nothing."""
@@ -39,8 +44,10 @@ class PhotonTransfer:
             return
         # shutter and lamps vary from frame to frame, by more than photons do: take that out
         signal *= (level.mean() / level)[:, None]
-        self._excess += float((signal.var(axis=0, ddof=1) - dark.read_variance).sum())
-        self._signal += float(signal.mean(axis=0).sum())
+        sums = self._whole if usable.mean() > 1.0 - _HOT_SHARE else self._partly
+        sums += (
+            (signal.var(axis=0, ddof=1) - dark.read_variance).sum(), signal.mean(axis=0).sum()
+        )  # fmt: skip
 
     @property
     def gain(self) -> float:
@@ -51,10 +58,11 @@ class PhotonTransfer:
         gonio.errors.BadInputError
             When nothing was bright enough, or the noise does not grow with the signal.
         """
-        if not self._excess > 0:
+        excess, signal = self._whole if self._whole[1] else self._partly
+        if not excess > 0:
             raise BadInputError(
                 "the white frames' noise does not tell the camera's gain: two repeats that are "
                 "bright and not saturated are needed; check the lamps and exposures_s, and capture "
                 "again"
             )
-        return self._excess / self._signal
+        return float(excess / signal)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
@@ -26,6 +26,9 @@ PATCH_MM: Final = 5.0
 """Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
 _MM_PER_M = 1000.0
+_FLAT = 1e-6
+# weights that are more uneven cost more than they are worth
+_MOST_NOISE = 2.0
 
 
 @dataclass(frozen=True)
@@ -53,10 +56,23 @@ class Patch:
     view: NDArray[np.float64]
     solid_angle: float
 
-    @property
-    def pixels(self) -> NDArray[np.intp]:
-        """How many of each channel, shape (3,)."""
-        return np.bincount(self.channel, minlength=3)
+    @cached_property
+    def weights(self) -> NDArray[np.float64]:
+        """Of each pixel, shape (n,): each channel's add up to one, and all look at one middle.
+
+        Red and blue lie in rows and columns of their own. Weighted alike, their middles are a pixel
+        apart, which is far on the sample at grazing views, and errs where the BRDF has a slope.
+        """
+        weights, where = np.empty(len(self.channel)), self.points_mm[:, :2]
+        for channel in range(3):
+            mine = self.channel == channel
+            weights[mine] = _centred(where[mine], where.mean(axis=0))
+        return weights
+
+    @cached_property
+    def pixels(self) -> NDArray[np.float64]:
+        """How many alike of each channel would have as little noise, shape (3,)."""
+        return np.asarray(1.0 / np.bincount(self.channel, self.weights**2, minlength=3))
 
     def of(self, mosaic: NDArray[np.generic]) -> NDArray[np.float64]:
         """Return the patch's pixels of a frame, shape (height, width) to (n,)."""
@@ -64,8 +80,22 @@ class Patch:
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mean over each channel's pixels, shape (n,) to (3,)."""
-        total = np.bincount(self.channel, weights=values, minlength=3)
-        return np.asarray(total / self.pixels, np.float64)
+        return np.asarray(np.bincount(self.channel, self.weights * values, minlength=3), np.float64)
+
+    def any(self, those: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return whether one of each channel's pixels is such, shape (n,) to (3,)."""
+        return np.bincount(self.channel[those], minlength=3) > 0
+
+
+def _centred(where: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the least uneven weights whose middle is that, as far as places allow, shape (n,)."""
+    count = len(where)
+    away, shift = where - where.mean(axis=0), middle - where.mean(axis=0)
+    # of a single row nothing can move the middle across
+    slope = np.linalg.pinv(away.T @ away, rcond=_FLAT) @ shift
+    weights = 1.0 / count + away @ slope
+    alike = np.full(count, 1.0 / count)
+    return weights if (weights**2).sum() < _MOST_NOISE / count else alike
 
 
 class FindsPatch(Protocol):

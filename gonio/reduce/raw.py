@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
 
 _CFA = 32803
-_EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1 = 34665, 262, 50721
+_EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1, _AS_SHOT_NEUTRAL = 34665, 262, 50721, 50728
 _MODEL, _SERIAL = 50708, 50735
 _SATURATED = 0.98
 
@@ -45,6 +45,9 @@ class Sensor:
         ColorMatrix1, XYZ to camera RGB, nine numbers row by row; none where the file has none.
     model
         UniqueCameraModel and, where the file states one, CameraSerialNumber.
+    scaled
+        Whether the matrix tells how bright its channels are against each other: the file has an
+        AsShotNeutral, which is in the same scale (DNG 1.7, chapter 6).
     """
 
     width: int
@@ -55,6 +58,7 @@ class Sensor:
     iso: int | None
     color_matrix: tuple[float, ...]
     model: str = ""
+    scaled: bool = False
 
     @property
     def saturation(self) -> float:
@@ -135,6 +139,7 @@ def decode_raw(data: bytes, path: Path, remedy: str) -> RawFrame:
         iso=_iso(tags),
         color_matrix=_color_matrix(tags, path),
         model=" ".join(str(tags[tag]) for tag in (_MODEL, _SERIAL) if tag in tags),
+        scaled=_AS_SHOT_NEUTRAL in tags,
     )
     return RawFrame(mosaic, _exposure_s(tags, path), sensor)
 

@@ -11,7 +11,7 @@ from gonio.directions import normalize
 from gonio.errors import BadInputError
 from gonio.reduce.correction import Uncorrected
 from gonio.reduce.light import Source
-from gonio.reduce.stray import frame_mean
+from gonio.reduce.stray import stray_on
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class Reading:
         Mean irradiance x time x the pixels' response, in s/mm2 (see `gonio.reduce.light.Source`),
         shape (3,).
     pixels
-        How many pixels, shape (3,).
+        How many pixels, as `gonio.reduce.patch.Patch` counts them, shape (3,).
     saturated
         Whether any of them was, shape (3,).
     read_variance, dark_variance
@@ -50,8 +50,11 @@ class Reading:
     surround
         Mean above dark over the whole frame, in raw units of a linear sensor, shape (3,); 0 where
         neither rig file nor calibration tells of stray light.
+    around
+        Mean above dark about the patch that a halo spreads its share of, less the veil, in the same
+        unit, shape (3,); 0 where none is known.
     stray
-        What was taken off as stray light, in raw units, shape (3,).
+        What was taken off as stray light and halo, in raw units, shape (3,).
     light, view
         Unit vectors, shape (3,): means over the patch.
     arms_rad
@@ -59,13 +62,17 @@ class Reading:
         no phi.
     light_solid_angle, view_solid_angle
         In sr.
+    hidden
+        Share of the frame's pixels that are saturated; 0 where nothing tells of stray light.
     lamps
         Each lamp's share of the light, shape (11,).
+    brightness
+        Mean flux of the lamps that were lit.
     """
 
     signal: NDArray[np.float64]
     exposure: NDArray[np.float64]
-    pixels: NDArray[np.intp]
+    pixels: NDArray[np.float64]
     saturated: NDArray[np.bool_]
     read_variance: float
     dark_variance: float
@@ -77,6 +84,9 @@ class Reading:
     light_solid_angle: float
     view_solid_angle: float
     lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(11))
+    brightness: float = 1.0
+    hidden: float = 0.0
+    around: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
 
 def take_reading(
@@ -90,7 +100,8 @@ def take_reading(
 
     The pixels' response counts with the exposure instead of being divided out pixel by pixel: sums
     of signals over sums of exposures have the least photon noise. A share g of stray light leaves
-    (1 - g) of the image where it was; that factor is in the white frames, too, and cancels.
+    (1 - g) of the image where it was; that factor is in the white frames, too, and cancels, as does
+    that of a halo.
 
     Raises
     ------
@@ -111,24 +122,23 @@ def take_reading(
             f"{frame.record.light_theta_deg:.1f} deg, lamps {sum(frame.record.flux):.5f}); "
             "check the lamps and capture again"
         )
-    share = rig.camera.stray_light or correction.stray_light
-    # of large frames a sum of all pixels takes its time
-    told = share or rig.uncertainty.stray_light
-    surround = frame_mean(frame.raw, dark, correction.linearity) if told else np.zeros(3)
-    raw, stray = patch.of(frame.raw.mosaic), share * surround
+    raw, stray = patch.of(frame.raw.mosaic), stray_on(patch, frame.raw, dark, rig, correction)
     return Reading(
-        signal=patch.mean(correction.linear(raw - patch.of(dark.mean))) - stray,
+        signal=patch.mean(correction.linear(raw - patch.of(dark.mean))) - stray.taken,
         exposure=exposure,
         pixels=patch.pixels,
-        saturated=patch.mean((raw >= correction.saturation(sensor)).astype(np.float64)) > 0,
+        saturated=patch.any(raw >= correction.saturation(sensor)),
         read_variance=dark.read_variance,
         dark_variance=dark.mean_variance,
-        surround=surround,
-        stray=stray,
+        surround=stray.surround,
+        around=stray.around,
+        stray=stray.taken,
+        hidden=stray.hidden,
         light=normalize(source.directions(patch.points_mm).mean(axis=0)),
         view=patch.view,
         arms_rad=np.array([a for arm in (frame.light, frame.view) for a in (arm.theta, arm.phi)]),
         light_solid_angle=source.solid_angle,
         view_solid_angle=patch.solid_angle,
         lamps=np.asarray(flux) / sum(flux),
+        brightness=float(np.mean([each for each in flux if each > 0])),
     )

@@ -20,6 +20,7 @@ from gonio.reduce.opening import open_frames
 from gonio.reduce.patch import PATCH_MM, PatchFinder
 from gonio.reduce.provenance import provenance_of, shot_exposures
 from gonio.reduce.reading import take_reading
+from gonio.reduce.stray import by_the_unhidden
 from gonio.reduce.surroundings import look_around
 from gonio.samples import Flag, Samples
 
@@ -167,7 +168,7 @@ def _measure(
     shot: Shot, frames: Frames, patches: PatchFinder, rig: Rig, calibration: Calibration
 ) -> Row:
     bracket = frames.of_shot(shot)
-    readings = tuple(
+    read = [
         take_reading(
             frame,
             calibration.darks[frame.record.exposure_s],
@@ -176,7 +177,8 @@ def _measure(
             calibration.correction,
         )
         for frame in bracket
-    )
+    ]
+    readings = tuple(by_the_unhidden(read))
     rate = merge(readings, calibration.gain)
     return Row(
         shot=shot,

@@ -1,17 +1,26 @@
-"""Stray light: the share of a frame's light that lens and camera spread over all of it."""
+"""Stray light: what lens and camera spread over all of a frame, and about what is bright."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from gonio.calibration import Linearity
+    from gonio.reduce.correction import Correction
     from gonio.reduce.dark import Dark
+    from gonio.reduce.patch import Patch
     from gonio.reduce.raw import RawFrame
+    from gonio.reduce.reading import Reading
+    from gonio.rig import Rig
+
+    _Weights = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def frame_mean(raw: RawFrame, dark: Dark, linearity: Linearity | None) -> NDArray[np.float64]:
@@ -20,14 +29,103 @@ def frame_mean(raw: RawFrame, dark: Dark, linearity: Linearity | None) -> NDArra
     In raw units of a linear sensor.
 
     Veiling glare g makes (1 - g) image + g mean of an image (ISO 9358:1994), which leaves the mean
-    as it is: so g x this is what it adds. Saturated pixels hide how bright they were; what glare
-    they cause is underrated.
+    as it is: so g x this is what it adds. Saturated pixels hide how bright they were
+    (`by_the_unhidden`).
     """
-    total, count = np.zeros(3), np.zeros(3)
+    mean = _weighted(raw, dark, linearity, [_even(raw)])[0]
+    return np.asarray(mean)
+
+
+_HOT_SHARE = 0.002
+
+
+@dataclass(frozen=True)
+class Stray:
+    """What falls on a patch that comes from elsewhere, in raw units, shape (3,) each.
+
+    Attributes
+    ----------
+    surround
+        The frame's mean, of which the veil is a share; 0 where nothing tells of stray light.
+    around
+        The mean about the patch, less the veil, of which the halo is a share; 0 where none is
+        known.
+    taken
+        What is to be taken off.
+    hidden
+        Share of the frame's pixels that are saturated, so that nobody knows what they spread.
+    """
+
+    surround: NDArray[np.float64]
+    around: NDArray[np.float64]
+    taken: NDArray[np.float64]
+    hidden: float
+
+
+def stray_on(patch: Patch, raw: RawFrame, dark: Dark, rig: Rig, correction: Correction) -> Stray:
+    """Return the stray light on a patch of a frame."""
+    share, halo = rig.camera.stray_light or correction.stray_light, correction.halo
+    surround, around, hidden = np.zeros(3), np.zeros(3), 0.0
+    # of large frames a sum of all pixels takes its time
+    if halo:
+        weights = [_even(raw), _bell(raw, patch, halo.width * raw.sensor.width)]
+        surround, around = _weighted(raw, dark, correction.linearity, weights)
+        around = around - share * surround
+    elif share or rig.uncertainty.stray_light:
+        surround = frame_mean(raw, dark, correction.linearity)
+    if surround.any():
+        hidden = float((raw.mosaic >= correction.saturation(raw.sensor)).mean())
+    taken = share * surround + (halo.share if halo else 0.0) * around
+    return Stray(surround, around, taken, hidden)
+
+
+def by_the_unhidden(readings: Sequence[Reading]) -> list[Reading]:
+    """Return readings of one pose, stray light told by exposures that show all that sheds it.
+
+    A long exposure saturates what is bright, and takes too little off beside it. The longest one
+    that saturates no more than hot pixels tells what was there, or else the shortest.
+
+    Parameters
+    ----------
+    readings
+        At least one, in whatever order.
+    """
+    shown = [each for each in readings if each.hidden <= _HOT_SHARE]
+    shortest = min(readings, key=lambda each: float(each.exposure.sum()))
+    known = max(shown, key=lambda each: float(each.exposure.sum()), default=shortest)
+    return [each if each.hidden <= _HOT_SHARE else _told_by(known, each) for each in readings]
+
+
+def _told_by(known: Reading, reading: Reading) -> Reading:
+    times = reading.exposure / known.exposure
+    told = {name: times * getattr(known, name) for name in ("surround", "around", "stray")}
+    return replace(reading, signal=reading.signal + reading.stray - told["stray"], **told)
+
+
+def _even(raw: RawFrame) -> _Weights:
+    rows, columns = (np.ones(side) for side in raw.mosaic.shape)
+    return rows, columns
+
+
+def _bell(raw: RawFrame, patch: Patch, width_px: float) -> _Weights:
+    rows, columns = (
+        np.exp(-0.5 * ((np.arange(side) - where.mean()) / width_px) ** 2)
+        for side, where in zip(raw.mosaic.shape, (patch.rows, patch.columns), strict=True)
+    )
+    return rows, columns
+
+
+def _weighted(
+    raw: RawFrame, dark: Dark, linearity: Linearity | None, weights: Sequence[_Weights]
+) -> NDArray[np.float64]:
+    """Return weighted means of each channel, shape (n, 3)."""
+    total, weight = np.zeros((2, len(weights), 3))
     for place, color in enumerate(raw.sensor.pattern):
-        cell = np.s_[place // 2 :: 2, place % 2 :: 2]
+        down, over = np.s_[place // 2 :: 2], np.s_[place % 2 :: 2]
         channel = "RGB".index(color)
-        light = raw.mosaic[cell] - dark.mean[cell]
-        total[channel] += (light if linearity is None else linearity.undo(light)).sum()
-        count[channel] += raw.mosaic[cell].size
-    return total / count
+        light = raw.mosaic[down, over] - dark.mean[down, over]
+        linear = light if linearity is None else linearity.undo(light)
+        for number, (rows, columns) in enumerate(weights):
+            total[number, channel] += rows[down] @ linear @ columns[over]
+            weight[number, channel] += rows[down].sum() * columns[over].sum()
+    return np.asarray(total / weight)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 # about the horizon no model means much, and the cosine's own relative error has no bound
 _LOWEST = np.cos(np.radians(89.5))
+_LOBE_RAD = np.radians(10.0)
 
 
 def axis_effects(material: Material, arms_rad: Array, angle_rad: float) -> Array:
@@ -47,6 +48,29 @@ def axis_effects(material: Material, arms_rad: Array, angle_rad: float) -> Array
         for step in angle_rad * np.eye(4)
     ]
     return np.array([(high - low) / 2.0 for high, low in ends])
+
+
+def missed_effects(scatter: Array, arms_rad: Array, angle_rad: float) -> Array:
+    """Return by how much values err, relative, through slopes that the fit does not have.
+
+    What scatters about the fit is taken to change within 10 deg, as lobes of cloth and varnish do.
+
+    Parameters
+    ----------
+    scatter
+        Of ln f about the fit, shape (3,).
+    arms_rad, angle_rad
+        As `axis_effects` has them.
+
+    Returns
+    -------
+    ndarray
+        Shape (4, n, 3), as of `axis_effects`.
+    """
+    # near the pole an azimuth moves the arm's end little
+    reach = np.stack([np.ones(len(arms_rad)), np.sin(arms_rad[:, 0])] * 2)
+    reach[3] = np.sin(arms_rad[:, 2])
+    return np.asarray(angle_rad / _LOBE_RAD * reach[..., None] * scatter)
 
 
 def seat_effects(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gonio.directions import normalize
 from gonio.errors import BadInputError
+from gonio.reduce.balance import balance
 from gonio.reduce.merge import merge
 
 if TYPE_CHECKING:
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.protocols import Material
+    from gonio.reduce.balance import Balance
+    from gonio.reduce.color import Coloring
     from gonio.reduce.merge import Rate
     from gonio.reduce.reading import Reading
 
@@ -27,22 +31,29 @@ class Response:
 
     Attributes
     ----------
-    rate_per_brdf
-        Of a white-balanced camera channel, in the unit of `Rate` per 1/sr, shape (3,).
-    camera_from_space
-        The space of the results to white-balanced camera RGB, shape (3, 3).
+    balance
+        From rates over the white's to the space of the results.
     rate, readings
         Of the white reference.
     light, view
         Where it was seen, unit vectors, shape (3,).
     """
 
-    rate_per_brdf: NDArray[np.float64]
-    camera_from_space: NDArray[np.float64]
+    balance: Balance
     rate: Rate
     readings: tuple[Reading, ...]
     light: NDArray[np.float64]
     view: NDArray[np.float64]
+
+    @cached_property
+    def rate_per_brdf(self) -> NDArray[np.float64]:
+        """Of a white-balanced camera channel, in the unit of `Rate` per 1/sr, shape (3,)."""
+        return np.asarray(self.rate.value / self.balance.channels)
+
+    @cached_property
+    def camera_from_space(self) -> NDArray[np.float64]:
+        """The space of the results to white-balanced camera RGB, shape (3, 3)."""
+        return np.asarray(np.linalg.inv(self.balance.matrix / self.balance.channels))
 
     def brdf(self, rate: Rate) -> NDArray[np.float64]:
         """Return the BRDF in the space of the results, in 1/sr, shape (3,).
@@ -65,10 +76,7 @@ class Response:
 
 
 def respond(
-    readings: Sequence[Reading],
-    gain: float,
-    reference: Material,
-    camera_from_space: NDArray[np.float64],
+    readings: Sequence[Reading], gain: float, reference: Material, coloring: Coloring
 ) -> Response:
     """Compare the white frames' rate with the reference's BRDF at their true directions.
 
@@ -88,5 +96,5 @@ def respond(
         normalize(np.mean([getattr(reading, side) for reading in readings], axis=0))
         for side in ("light", "view")
     )
-    known = camera_from_space @ reference.evaluate(light, view)
-    return Response(rate.value / known, camera_from_space, rate, tuple(readings), light, view)
+    known = reference.evaluate(light, view)
+    return Response(balance(coloring, rate.value, known), rate, tuple(readings), light, view)

@@ -146,7 +146,7 @@ def _draw_rounds(rounds: Sequence[Reached]) -> Figure:
 
 
 def _draw_foretold(told: Sequence[Reached], ends: Sequence[tuple[str, Reached]]) -> Figure:
-    figure, axes, unit_s = _axes(max(each.seconds for each in told))
+    figure, axes, unit_s = _axes(max(each.seconds for each in [*told, *(end for _, end in ends)]))
     axes.plot(*_places(told, unit_s), "o-", color=ACCENT, markersize=4, label="foretold")
     _say_shots(axes, told, unit_s)
     for (name, end), (color, mark) in zip(ends, ((TRUTH, "D"), (CHANNELS[1], "s")), strict=False):

@@ -8,6 +8,8 @@ import secrets
 import socket
 from dataclasses import dataclass, field
 
+_OWN_SITES = (None, "none", "same-origin")
+
 
 @dataclass(frozen=True)
 class Access:
@@ -45,7 +47,13 @@ class Access:
         return f"http://{named}:{self.port}/?token={self.token}"
 
     def refusal(
-        self, *, host: str | None, origin: str | None, token: str | None, acts: bool
+        self,
+        *,
+        host: str | None,
+        origin: str | None,
+        site: str | None,
+        token: str | None,
+        acts: bool,
     ) -> str | None:
         """Return why a request is refused; None where it is not.
 
@@ -53,6 +61,8 @@ class Access:
         ----------
         host, origin
             Its headers of these names.
+        site
+            Its header Sec-Fetch-Site; None for the page itself, to which any other may link.
         token
             What it shows: to act, in a header of its own; to look, in the address will do.
         acts
@@ -60,7 +70,8 @@ class Access:
         """
         if not self._is_named(host):
             return "this server is not called that"
-        if not self._is_same_origin(origin, host):
+        # a browser names no origin where another page asks for a mere picture or script
+        if not self._is_same_origin(origin, host) or site not in _OWN_SITES:
             return "another page may not ask"
         if (acts or not self.is_local) and not self._knows(token):
             return "open the address that gonio watch printed"

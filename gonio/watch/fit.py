@@ -101,6 +101,8 @@ class RunningFit:
                 self.last, self.note = self._fit(ready), ""
             except GonioError as error:
                 self.note = str(error)
+            except Exception as error:  # a thread that dies says nothing
+                self.note = f"the estimate failed ({type(error).__name__}: {error})"
             self._stop.wait(_REST * (time.perf_counter() - began))
 
     def _fit(self, ready: Sequence[Shot]) -> Fit:

@@ -42,6 +42,8 @@ class Told:
         What the capture does: waiting, starting, calibrating, measuring, paused, stopped, finished.
     reason
         What stopped it.
+    by
+        What it is measured by, where that is another program than gonio.
     target
         Of an adaptive capture under way; None without one.
     """
@@ -52,6 +54,7 @@ class Told:
     last_frame: tuple[int, datetime, FrameRecord] | None = None
     phase: str = "waiting"
     reason: str = ""
+    by: str = ""
     target: float | None = None
 
     @property
@@ -71,6 +74,8 @@ class Told:
         elif event.kind == "fault":
             what, did = str(event.data.get("what")), str(event.data.get("did"))
             self.faults.append((event.utc, FaultRecord(event.at_s, what, did)))
+        elif event.kind == "begun":
+            self.by = str(event.data.get("by", ""))
         elif event.kind == "stopped":
             self.reason = str(event.data.get("reason", ""))
         elif event.kind in ("adaptive", "adaptive ended"):

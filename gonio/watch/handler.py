@@ -14,6 +14,7 @@ from gonio.watch.state import WISHES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from urllib.parse import SplitResult
 
     from gonio.watch.server import WatchServer
 
@@ -33,23 +34,36 @@ class Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Show something."""
-        token = parse_qs(urlsplit(self.path).query).get("token", [None])[0]
-        self._guarded(self._shown, self.headers["X-Gonio-Token"] or token, acts=False)
+        self._guarded(self._shown, acts=False)
 
     def do_POST(self) -> None:
         """Leave a wish."""
-        self._guarded(self._left, self.headers["X-Gonio-Token"], acts=True)
+        self._guarded(self._left, acts=True)
 
-    def _guarded(self, answer: Callable[[str], _Answer], token: str | None, *, acts: bool) -> None:
-        host, origin = self.headers["Host"], self.headers["Origin"]
-        refusal = self.server.access.refusal(host=host, origin=origin, token=token, acts=acts)
-        if refusal:
+    def _guarded(self, answer: Callable[[str], _Answer], *, acts: bool) -> None:
+        try:
+            asked = urlsplit(self.path)
+        except ValueError:
+            return self._send(_said(HTTPStatus.BAD_REQUEST, "that is no address"))
+        if refusal := self._refusal(asked, acts=acts):
             return self._send(_said(HTTPStatus.FORBIDDEN, refusal))
         try:
-            made = answer(urlsplit(self.path).path)
+            made = answer(asked.path)
         except (GonioError, OSError) as error:
             made = _said(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
         return self._send(made)
+
+    def _refusal(self, asked: SplitResult, *, acts: bool) -> str | None:
+        token = self.headers["X-Gonio-Token"]
+        if not (token or acts):
+            token = parse_qs(asked.query).get("token", [None])[0]
+        return self.server.access.refusal(
+            host=self.headers["Host"],
+            origin=self.headers["Origin"],
+            site=None if asked.path == "/" else self.headers["Sec-Fetch-Site"],
+            token=token,
+            acts=acts,
+        )
 
     def _shown(self, path: str) -> _Answer:
         watched = self.server.watched
@@ -67,8 +81,8 @@ class Handler(BaseHTTPRequestHandler):
         what = path.removeprefix("/")
         if what not in WISHES:
             return _said(HTTPStatus.NOT_FOUND, "there is no such thing")
-        if not self.server.watched.want(what):
-            return _said(HTTPStatus.CONFLICT, "no capture works on this session")
+        if refusal := self.server.watched.want(what):
+            return _said(HTTPStatus.CONFLICT, refusal)
         return _said(HTTPStatus.OK, "told")
 
     def _send(self, answer: _Answer) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 from http.server import ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,7 @@ class WatchServer(ThreadingHTTPServer):
 
     def __init__(self, session: Session, host: str, port: int) -> None:
         self.watched = Watched(session)  # a port that is taken closes the server at once
+        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
         super().__init__((host, port), Handler)
         self.access = Access(host, self.server_port)
         self.watched.start()

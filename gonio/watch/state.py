@@ -13,6 +13,7 @@ from gonio.wishes import forget, wish, wished
 from gonio.words import duration
 
 if TYPE_CHECKING:
+    from gonio.journal import FrameRecord
     from gonio.session import Session
     from gonio.watch.following import Told
     from gonio.watch.progress import Progress
@@ -36,6 +37,8 @@ class Watched:
         self._following, self._fit = Following(session), RunningFit(session)
         self._lock = threading.Lock()
         self._route: tuple[object, Route] | None = None
+        self._decoding = threading.Lock()
+        self._frame: tuple[FrameRecord, bytes] | None = None
 
     def start(self) -> None:
         """Begin to fit."""
@@ -72,14 +75,14 @@ class Watched:
         """Return the last frame as PNG; None before the first (errors as `frame_png`, `state`)."""
         with self._lock:
             last = self._following.look().last_frame
-        return frame_png(self.session.root, last[2]) if last else None
+        return self._picture(last[2]) if last else None
 
     def sphere(self) -> bytes | None:
         """Return the estimate as PNG; None before the first."""
         return self._fit.last.sphere if self._fit.last else None
 
-    def want(self, what: str) -> bool:
-        """Leave one of `WISHES`; return whether a capture is there to heed it.
+    def want(self, what: str) -> str | None:
+        """Leave one of `WISHES`; return why none was left, None where it was.
 
         Raises
         ------
@@ -88,14 +91,27 @@ class Watched:
         """
         root = self.session.root
         with self._lock:
-            if not self._is_captured(self._following.look()):
-                return False
-        if what == "resume":
-            if wished(root) == "pause":
+            told = self._following.look()
+            if not self._is_captured(told):
+                return "no capture works on this session"
+            if told.by:
+                return f"{told.by} measures this session, and heeds no wishes; act there"
+            if what == "stop":
+                wish(root, "stop")
+            elif wished(root) == "stop":
+                return "the capture has been asked to stop"
+            elif what == "pause":
+                wish(root, "pause")
+            else:
                 forget(root)
-        else:
-            wish(root, "stop" if what == "stop" else "pause")
-        return True
+        return None
+
+    def _picture(self, record: FrameRecord) -> bytes:
+        # a raw frame is large: it is decoded once, however many ask
+        with self._decoding:
+            if self._frame is None or self._frame[0] != record:
+                self._frame = record, frame_png(self.session.root, record)
+            return self._frame[1]
 
     def _is_captured(self, told: Told) -> bool:
         # a reduction works on a session, too
@@ -131,6 +147,7 @@ def _heard(told: Told) -> dict[str, Any]:
     return {
         "phase": told.phase,
         "over": told.is_over,
+        "by": told.by,
         "reason": told.reason,
         "target": told.target,
         "last": last and {"id": last[0], "utc": last[1].isoformat(), **last[2].model_dump()},

@@ -7,6 +7,7 @@ OMP_NUM_THREADS=1.
 from io import BytesIO
 from pathlib import Path
 from time import process_time
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -20,12 +21,13 @@ from gonio.photogrammetry.grid import TexelGrid
 from gonio.photogrammetry.rectification import Rectifier
 from gonio.plan import LampSetting, Shot
 from gonio.reduce import raw
+from gonio.reduce.balance import balance
 from gonio.reduce.btf.develop import Tiles
 from gonio.reduce.btf.job import Job, Maps
 from gonio.reduce.btf.radiance import texels_of
 from gonio.reduce.btf.shard import Shard
 from gonio.reduce.calibrate import Calibration
-from gonio.reduce.color import camera_from_srgb
+from gonio.reduce.color import Coloring, camera_from_srgb
 from gonio.reduce.correction import Uncorrected
 from gonio.reduce.dark import Dark
 from gonio.reduce.frames import Frames
@@ -60,9 +62,10 @@ class Bracket:
         self.frames = Frames(root, camera, records, "take it again")
         self.bracket = self.frames.of_shot(self.shot)
         dark = Dark(np.full((SIDE, SIDE), float(sensor.BLACK_LEVEL)), READ_VARIANCE, 4)
-        response = Response(
-            np.full(3, 1e10), camera_from_srgb(self.frames.sensor.color_matrix), None, (), UP, UP
-        )
+        matrix = camera_from_srgb(self.frames.sensor.color_matrix)
+        coloring = Coloring("linear sRGB", "ColorMatrix1", matrix, np.eye(3))
+        rate = SimpleNamespace(value=np.full(3, 1e10))
+        response = Response(balance(coloring, rate.value, np.ones(3)), rate, (), UP, UP)
         self.calibration = Calibration(
             dict.fromkeys(EXPOSURES, dark), GAIN, response, None, Uncorrected(), (), None
         )

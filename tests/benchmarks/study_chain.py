@@ -55,10 +55,8 @@ ASKEW = {
 """What no named set holds; nothing corrects the light arm's, so they are as small as is stated."""
 
 SHARE = {"none": 0.0, "mild": 0.1, "all": 1.0}
-STATED = """
-[uncertainty]
-angle_deg = 0.02
-"""
+ANGLE_DEG = {"none": 0.005, "mild": 0.01, "all": 0.035}
+"""What a rig file should state: zeros of the light arm, and how far arms bend behind encoders."""
 VIEWS = "rings:0x1,20x5,40x6,60x6"
 CHART = (
     "--view-candidates", "rings:0x1", "--light-candidates", "rings:45x4", "--density", "all",
@@ -83,7 +81,8 @@ def main(names: tuple[str, ...], px: int, shots: int, material: str, keep: Path 
     found = {}
     for name in names or NAMES:
         with folder_for(keep, name) as root:
-            found[name] = chain(root, name, rig_text(px), shots=shots, material=material)
+            rig = rig_text(px, angle_deg=ANGLE_DEG[name])
+            found[name] = chain(root, name, rig, shots=shots, material=material)
         tell(found)
 
 
@@ -97,8 +96,13 @@ def folder_for(keep: Path | None, name: str) -> Iterator[Path]:
     yield keep / name
 
 
-def rig_text(px: int, exposures_s: Sequence[float] = (0.07, 0.7)) -> str:
+def rig_text(px: int, exposures_s: Sequence[float] = (0.07, 0.7), angle_deg: float = 0.02) -> str:
     """Return the built-in rig's file with a sensor that sees the whole board."""
+    stated = f"\n[uncertainty]\nangle_deg = {angle_deg}\nlamp_color = 0.3\n"
+    return _rig_text(px, exposures_s) + stated
+
+
+def _rig_text(px: int, exposures_s: Sequence[float]) -> str:
     return (
         default_rig_text()
         .replace("= 160", f"= {px}")
@@ -107,7 +111,7 @@ def rig_text(px: int, exposures_s: Sequence[float] = (0.07, 0.7)) -> str:
         .replace("[0.002, 0.02, 0.2, 2.0]", str(list(exposures_s)))
         # white frames and shots in lamps of one color
         .replace("[lamps]\n", "[lamps]\nwarm_up_s = 100.0\n")
-    ) + STATED
+    )
 
 
 def chain(

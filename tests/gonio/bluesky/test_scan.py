@@ -13,6 +13,7 @@ from gonio.devices import LocalFolder
 from gonio.errors import DeviceFaultError
 from gonio.notes import Notes
 from gonio.rig import AXES, default_rig_text, load_rig
+from gonio.watch.state import Watched
 from planner.make import make_plan
 from sim.faults import Fault, faulty_wires
 from sim.twin import Twin
@@ -30,7 +31,11 @@ ENABLED = 0x27
 NOTES = Notes(sample="a", orientation="b", mounting="c", operator="d")
 # the first of a shot's two frames
 PAUSED_AFTER = 21
-RIG = default_rig_text().replace("[0.002, 0.02, 0.2, 2.0]", "[0.02, 0.2]")
+RIG = (
+    default_rig_text()
+    .replace("[0.002, 0.02, 0.2, 2.0]", "[0.02, 0.2]")
+    .replace("[lamps]\n", "[lamps]\nwarm_up_s = 5.0\n")
+)
 
 
 class Nobody:
@@ -79,6 +84,11 @@ class Lab:
         with self.session.journal() as journal:
             return list(journal.frames())
 
+    def kinds(self):
+        with self.session.journal() as journal:
+            kinds = [event.kind for event in journal.events()]
+        return [kind for kind in kinds if kind not in ("frame", "fault")]
+
     @property
     def is_safe(self):
         lit = any(led.on for led in self.twin.lamps.leds)
@@ -110,6 +120,8 @@ def test_a_session_is_measured(lab):
     assert len(lab.events("dark"))
     assert len(lab.events("white"))
     assert lab.is_safe
+    assert lab.kinds() == ["begun", "homed", "finished"]
+    assert Watched(lab.session).state()["phase"] == "finished"
 
 
 def test_what_is_there_is_not_taken_again(lab):
@@ -120,6 +132,7 @@ def test_what_is_there_is_not_taken_again(lab):
         lab.engine(scan(devices))
     assert lab.recorded() == before
     assert lab.operator.placed == []
+    assert lab.kinds() == ["begun", "homed", "finished", "begun", "finished"]
 
 
 def test_a_pause_is_dark_and_goes_back_to_the_pose(lab):
@@ -145,6 +158,7 @@ def test_a_pause_is_dark_and_goes_back_to_the_pose(lab):
         record.sha256 for record in lab.recorded() if record.role == "shot"
     ]
     assert lab.is_safe
+    assert lab.kinds() == ["begun", "homed", "paused", "resumed", "finished"]
 
 
 def test_a_stall_fails_the_run_and_leaves_the_rig_safe(lab):
@@ -154,6 +168,7 @@ def test_a_stall_fails_the_run_and_leaves_the_rig_safe(lab):
     assert isinstance(failed.value.__cause__, DeviceFaultError)
     assert lab.is_safe
     assert lab.named("stop")[-1]["exit_status"] == "fail"
+    assert lab.kinds() == ["begun", "homed", "stopped"]
     # and another run takes what is left
     with bench(lab.session, lab.driven()) as devices:
         lab.engine(scan(devices))
@@ -179,3 +194,12 @@ def test_a_move_under_way_is_stopped(lab):
         angles = devices.arm.read()
         assert all(angles[f"arm_{axis}_deg"]["value"] < 9.0 for axis in AXES)
         assert lab.is_safe
+
+
+def test_a_stop_after_a_move_fails_nothing(lab):
+    with bench(lab.session, lab.driven()) as devices:
+        assert devices.arm.stage().exception(None) is None
+        assert devices.arm.set(dict.fromkeys(AXES, 1.0)).exception(None) is None
+        devices.arm.stop(success=True)
+        assert devices.lamps.set(devices.chain.shots[0].lamps).exception(None) is None
+        assert devices.arm.set(dict.fromkeys(AXES, 2.0)).exception(None) is None

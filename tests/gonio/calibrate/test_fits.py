@@ -1,6 +1,7 @@
 """Laws of the fits behind a calibration."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -8,6 +9,7 @@ from gonio.calibrate.bad_pixels import find_bad
 from gonio.calibrate.dark import DarkMaps, Stack, dark_maps
 from gonio.calibrate.lighting import FULL_CURRENT_MA, setting_for
 from gonio.calibrate.linearity import fit_linearity, slope
+from gonio.calibrate.transfer import level_of
 from gonio.calibration import Linearity
 
 RANGE = 60_000.0
@@ -96,14 +98,48 @@ def test_a_setting_reaches_its_level_within_the_lamps_current(level, per_s):
         assert reached < level
 
 
-def test_the_linearity_errs_as_its_errors_say():
+@pytest.mark.parametrize("unit", [1.0, 1e-12], ids=["raw units", "1/mm2"])
+def test_the_linearity_errs_as_its_errors_say(unit):
     random, u = np.random.default_rng(0), np.linspace(0.02, 0.97, 16)
     true = bent((0.02, -0.03, 0.01, 0.04))
     scores = []
     for _ in range(300):
-        dose = true.undo(RANGE * u) * (1.0 + 0.001 * random.normal(size=16))
+        dose = unit * true.undo(RANGE * u) * (1.0 + 0.001 * random.normal(size=16))
         found, _ = fit_linearity(dose, RANGE * u, RANGE)
         off = found.bending(np.array(0.9 * RANGE)) - true.bending(np.array(0.9 * RANGE))
         scores.append(off / np.linalg.norm(np.array(found.errors) @ 0.9 ** np.arange(1, 5)))
     # a t distribution of eleven degrees of freedom
     assert 0.95 < np.std(scores) < 1.25
+
+
+def test_light_that_changes_its_color_bends_nothing():
+    random, u = np.random.default_rng(1), np.linspace(0.02, 0.97, 16)
+    true, color = bent((0.02, -0.03, 0.01, 0.04)), random.uniform(-0.05, 0.0, 16)
+    # a green filter sees a fifth of the red that lamps lose
+    dose = true.undo(RANGE * u) / (1.0 + 0.2 * color)
+    at = np.array(0.6 * RANGE)
+    plain, told = (fit_linearity(dose, RANGE * u, RANGE, each)[0] for each in (None, color))
+    assert abs(plain.bending(at) - true.bending(at)) > 5e-4
+    assert abs(told.bending(at) - true.bending(at)) < 1e-4
+
+
+def test_levels_whose_photons_scatter_more_count_less():
+    random, u = np.random.default_rng(2), np.linspace(0.02, 0.97, 16)
+    true, noise, at = bent((0.0, 0.0, 0.0, 0.03)), 2e-4 / u, np.array(0.9 * RANGE)
+    off = []
+    for _ in range(100):
+        dose = true.undo(RANGE * u) * (1.0 + noise * random.normal(size=16))
+        found = [fit_linearity(dose, RANGE * u, RANGE, noise=each)[0] for each in (noise, None)]
+        off.append([each.bending(at) - true.bending(at) for each in found])
+    weighted, even = np.std(off, axis=0)
+    assert weighted < 0.7 * even
+
+
+def test_a_level_s_variance_is_that_of_its_photons_however_few_the_pixels():
+    random = np.random.default_rng(3)
+    found = [
+        level_of(random.normal(1e4, 100.0, (4, 8)), np.ones(4), saturated=False).variance
+        for _ in range(2000)
+    ]
+    # each is of 21 free values, so that all of them tell it to 0.7 %
+    np.testing.assert_allclose(np.mean(found), 1e4, rtol=0.03)

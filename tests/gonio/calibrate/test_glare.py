@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gonio.calibrate.glare import dark_room, stray_light_of
+from gonio.calibrate.glare import away_from_board_px, stray_light_of
 from gonio.geometry import ArmPose
 from gonio.materials import Lambertian
 from gonio.reduce.raw import decode_raw
@@ -29,7 +29,8 @@ def seen(view, **sizes):
         raw = decode_raw(data, Path("frame.dng"), "")
         signals.append(raw.mosaic.astype(float) - raw.sensor.black)
     channel = raw.sensor.channel(*np.indices(raw.mosaic.shape))
-    return stray_light_of(signals, dark_room(RIG.camera, view), channel)
+    away_px, bad = away_from_board_px(RIG.camera, view), np.zeros(channel.shape, np.bool_)
+    return stray_light_of(signals, away_px, channel, bad)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.005, 0.03])
@@ -41,3 +42,17 @@ def test_the_share_is_found_whatever_halo_there_is(share):
 
 def test_where_the_board_fills_the_picture_nothing_is_told():
     assert seen(ArmPose.from_degrees(0.0, 0.0), camera_glare=0.03) is None
+
+
+@pytest.mark.parametrize(("share", "width"), [(0.03, 0.05), (0.01, 0.03)])
+def test_the_halo_is_found_beside_the_veil(share, width):
+    found = seen(STEEP, camera_glare=0.01, camera_halo=share, camera_halo_width=width)
+    # three boxes of whole pixels are a bell of 8.5 px and 4.7 px
+    assert found.halo.share == pytest.approx(share, rel=0.12)
+    assert 160 * found.halo.width == pytest.approx({0.05: 8.5, 0.03: 4.7}[width], rel=0.12)
+    assert found.halo.sigma < 0.05 * share
+
+
+def test_without_a_halo_hardly_one_is_found():
+    found = seen(STEEP, camera_glare=0.01)
+    assert found.halo is None or found.halo.share < 5e-4

@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 from gonio.chart import GREYS, patch_names, published_xyz
 from gonio.color import D65, XYZ_FROM_SRGB, lab_from_xyz, xyz_from_lab
 from gonio.colorimetry.difference import delta_e_2000
-from gonio.colorimetry.matrix import fit_matrix, lab_slope
+from gonio.colorimetry.matrix import fit_matrix, lab_slope, matrix_errors
 from gonio.errors import BadInputError
 
 XYZ = published_xyz()
@@ -59,6 +59,24 @@ def test_white_is_kept_whatever_the_patches_say(camera, seed):
     seen = XYZ @ np.linalg.inv(XYZ_FROM_SRGB).T @ camera.T
     off = 1.0 + np.random.default_rng(seed).normal(scale=0.05, size=seen.shape)
     np.testing.assert_allclose(fit_matrix(seen * off, XYZ) @ np.ones(3), D65, rtol=1e-12)
+
+
+def test_the_matrix_errs_as_its_errors_say():
+    random, camera = np.random.default_rng(5), balanced(np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]]))
+    seen = XYZ @ np.linalg.inv(XYZ_FROM_SRGB).T @ camera.T
+    true, white_sigma = XYZ_FROM_SRGB @ np.linalg.inv(camera), np.array([0.003, 0.001, 0.002])
+    scores = []
+    for _ in range(200):
+        shared = 1.0 + white_sigma * random.normal(size=3)
+        # what a camera's matrix leaves is alike in all lightnesses
+        off = np.linalg.solve(lab_slope(XYZ), random.normal(scale=0.3, size=(24, 3, 1)))[..., 0]
+        noisy = (seen + off @ np.linalg.inv(true).T) / shared
+        errors = matrix_errors(noisy, XYZ, white_sigma)
+        away = (fit_matrix(noisy, XYZ) - true) @ [0.6, 0.2, 0.1]
+        scores.append(away / np.linalg.norm(errors @ [0.6, 0.2, 0.1], axis=0))
+    assert errors.shape == (9, 3, 3)
+    np.testing.assert_allclose(errors @ np.ones(3), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.std(scores, axis=0), 1.0, atol=0.2)
 
 
 def test_the_slope_is_that_of_cielab():

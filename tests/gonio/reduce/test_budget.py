@@ -11,13 +11,15 @@ from hypothesis import strategies as st
 from gonio.directions import from_spherical
 from gonio.materials import Lambertian
 from gonio.reduce import reduce_session
-from gonio.reduce.tolerance import axis_effects, seat_effects
+from gonio.reduce.slope import misfit, smooth_fit
+from gonio.reduce.tolerance import axis_effects, missed_effects, seat_effects
 from gonio.samples import Samples
 from gonio.uncertainty import COMPONENT_NAMES, COMPONENTS, Uncertainty
 from nnbrdf.analytic import AnisotropicGGX, Lambert
 from sim.materials import load_material
 from tests.draws import (
     STATED,
+    Z90,
     Errors,
     constant_sigma,
     covered,
@@ -78,6 +80,28 @@ def test_a_higher_face_lies_nearer_to_the_lamps(height):
     np.testing.assert_allclose(effects[2], (2000.0 / (2000.0 - height)) ** 2 - 1.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("name", ["wood-veneer", "velvet"])
+def test_slopes_that_the_fit_misses_count(name):
+    material, random = load_material(name), np.random.default_rng(2)
+    theta, phi = random.uniform(0, 1.3, (2, 100)), random.uniform(0, 6.28, (2, 100))
+    arms = np.array([theta[0], phi[0], theta[1], phi[1]]).T
+    light, view = (from_spherical(theta[side], phi[side]) for side in (0, 1))
+    value = material.evaluate(light, view)
+    samples = Samples.from_values(light, view, value, sigma=0.01 * value)
+    off, fit = np.radians(0.03) * random.choice([-1.0, 1.0], (100, 4)), smooth_fit(samples)
+    moved = from_spherical(*(arms + off).T[:2]), from_spherical(*(arms + off).T[2:])
+    sent = material.evaluate(*moved) * moved[0][:, 2:]
+    error = sent / (value * light[:, 2:]) - 1.0
+    told = axis_effects(fit, arms, np.radians(0.03))
+    missed = missed_effects(misfit(samples, fit), arms, np.radians(0.03))
+    # all axes off by one sigma each, in whatever sense
+    by_fit, by_both = (
+        np.mean(np.abs(error) < Z90 * np.sqrt((each**2).sum(axis=0)))
+        for each in (told, np.concatenate([told, missed]))
+    )
+    assert by_fit < 0.9 < by_both
+
+
 def test_components_are_stored_with_names_and_units_and_add_up(photographer):
     shots = photographer(TWO, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG + STATED_TEXT)
     reduce_session(shots.calibrate().shoot().session)
@@ -122,10 +146,14 @@ def test_files_of_before_there_were_components_are_read(tmp_path, photographer):
     np.testing.assert_array_equal(old.sigma, samples.sigma)
 
 
-@pytest.mark.parametrize("told", [0.0, 0.03], ids=["left in", "taken off"])
-def test_stray_light_is_taken_off_where_the_rig_file_tells_of_it(told):
-    # 3 % of a frame with white paper in it is much beside a dark sample; 0.5 s saturates the white
-    rig = small_rig(Uncertainty(), told, pixels=160, exposures_s=(0.4,))
+@pytest.mark.parametrize(
+    ("told", "exposures_s"),
+    [(0.0, (0.35,)), (0.03, (0.35,)), (0.03, (0.2, 2.0))],
+    ids=["left in", "taken off", "taken off beside paper that is saturated"],
+)
+def test_stray_light_is_taken_off_where_the_rig_file_tells_of_it(told, exposures_s):
+    # 3 % of a frame with white paper in it is much beside a dark sample; 0.4 s saturates the white
+    rig = small_rig(Uncertainty(), told, pixels=160, exposures_s=exposures_s)
     truly = replace(Errors.draw(rig, np.random.default_rng(0)), stray_light=0.03)
     samples, truth = drawn_samples(
         rig, Lambert((0.02, 0.02, 0.02)), np.random.default_rng(1), shots=4, errors=truly

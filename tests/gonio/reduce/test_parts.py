@@ -7,7 +7,7 @@ from gonio.directions import from_degrees
 from gonio.errors import BadInputError
 from gonio.geometry import ArmPose
 from gonio.materials import Lambertian
-from gonio.reduce.color import camera_from_srgb
+from gonio.reduce.color import Coloring, camera_from_srgb
 from gonio.reduce.dark import mean_dark
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.light import Source
@@ -68,6 +68,20 @@ def test_photon_transfer_leaves_saturated_pixels_out():
     assert transfer.gain == pytest.approx(1.0, rel=0.05)
 
 
+def test_exposures_that_are_partly_saturated_count_where_there_are_no_others():
+    random = np.random.default_rng(3)
+    dark = mean_dark(list(repeats(np.zeros((100, 100)), 4, 1.0, 3.0, random)))
+    # at the limit, pixels that stay below it in all repeats are the less noisy ones
+    limit = [
+        np.minimum(f, 41_200) for f in repeats(np.full((100, 100), 40_000), 4, 1.0, 3.0, random)
+    ]
+    transfer = PhotonTransfer()
+    transfer.add(limit, dark, 41_100)
+    assert transfer.gain < 0.8
+    transfer.add(list(repeats(np.full((100, 100), 4_000), 4, 1.0, 3.0, random)), dark, 41_100)
+    assert transfer.gain == pytest.approx(1.0, rel=0.05)
+
+
 @pytest.mark.parametrize(("electrons", "count"), [(1, 4), (5000, 1)], ids=["dark", "no repeats"])
 def test_photon_transfer_says_what_it_needs(electrons, count):
     random = np.random.default_rng(4)
@@ -91,6 +105,21 @@ def test_the_patch_is_the_square_in_the_middle(view_deg):
     )
     assert np.degrees(np.arccos(patch.view @ pose.direction)) < 0.02
     np.testing.assert_array_equal(patch.channel, SENSOR.channel(patch.rows, patch.columns))
+
+
+# at 75 deg across the rows red and blue have a single one each, and nothing moves their middles
+@pytest.mark.parametrize(
+    ("view_deg", "left_mm"),
+    [((0, 0), 0.1), ((30, 200), 0.1), ((60, 45), 0.1), ((75, 13), 0.1), ((75, 180), 1.0)],
+)
+def test_all_channels_look_at_one_middle(view_deg, left_mm):
+    patch = PatchFinder(RIG.camera, 5.0).find(ArmPose.from_degrees(*view_deg), SENSOR)
+    middles = np.stack([patch.mean(where) for where in patch.points_mm[:, :2].T], axis=-1)
+    np.testing.assert_allclose(patch.mean(np.ones(len(patch.rows))), 1.0)
+    # as seen from 2 m, 0.1 mm are 0.003 deg
+    assert np.ptp(middles, axis=0).max() < 2.0 * left_mm
+    assert (patch.pixels <= np.bincount(patch.channel) + 1e-9).all()
+    assert (patch.pixels > np.bincount(patch.channel) / 2).all()
 
 
 def test_the_patch_is_found_where_the_whole_picture_has_it():
@@ -200,9 +229,13 @@ def white_reading(signal, saturated=False):
     )
 
 
+def by(matrix):
+    return Coloring("linear sRGB", "test", matrix, np.eye(3))
+
+
 def test_the_reference_comes_back_as_itself():
     matrix = camera_from_srgb(SENSOR.color_matrix)
-    response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), matrix)
+    response = respond([white_reading([500.0, 900.0, 600.0])], 1.0, Lambertian(0.99), by(matrix))
     rate = merge([white_reading([500.0, 900.0, 600.0])], 1.0)
     np.testing.assert_allclose(response.brdf(rate), 0.99 / np.pi)
 
@@ -214,7 +247,7 @@ def test_a_colored_reference_is_allowed_for():
 
     matrix = camera_from_srgb(SENSOR.color_matrix)
     signal = 1000.0 * matrix @ [0.3, 0.2, 0.25] * [0.5, 1.0, 0.6]
-    response = respond([white_reading(signal)], 1.0, Pink(), matrix)
+    response = respond([white_reading(signal)], 1.0, Pink(), by(matrix))
     rate = merge([white_reading(signal)], 1.0)
     np.testing.assert_allclose(response.brdf(rate), [0.3, 0.2, 0.25])
 
@@ -229,4 +262,4 @@ def test_a_colored_reference_is_allowed_for():
 )
 def test_a_useless_white_reference_is_named(reading, state):
     with pytest.raises(BadInputError, match=f"the white reference is {state}"):
-        respond([reading], 1.0, Lambertian(0.99), np.eye(3))
+        respond([reading], 1.0, Lambertian(0.99), by(np.eye(3)))

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from gonio.clock import VirtualClock
+from gonio.report import course
 from gonio.report.captured import Captured
 from gonio.report.chosen import discs_of
-from gonio.report.course import foretold, rounds_of
+from gonio.report.course import Reached, course_drawings, foretold, rounds_of
 from gonio.report.sources import Sources
 from nnbrdf.prior import MaterialPrior
 from planner.further import Before, make_further_plan
@@ -73,3 +74,15 @@ def test_fewer_shots_are_quicker_and_worse(measure):
     assert (np.diff(seconds) < 0).all()
     assert (np.diff(errors) > 0).all()
     assert seconds[0] == pytest.approx(chain.estimated_s, rel=0.05)
+
+
+def test_what_came_of_it_is_within_the_axes_though_it_took_longer(monkeypatch):
+    figures = []
+    monkeypatch.setattr(course, "drawing", lambda _, figure, __: figures.append(figure))
+    told = [Reached(1000.0, 0.1, 16), Reached(500.0, 0.2, 8)]
+    ends = [("own bands", Reached(1500.0, 0.09, 16)), ("true error", Reached(4000.0, 0.11, 20))]
+    list(course_drawings([], told, ends))
+    (axes,) = figures[0].axes
+    left, right = axes.get_xlim()
+    places = [line.get_xdata() for line in axes.get_lines()]
+    assert all(left <= place <= right for place in np.concatenate([np.ravel(p) for p in places]))

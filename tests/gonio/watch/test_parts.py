@@ -146,7 +146,8 @@ def test_a_journal_is_read_on_and_anew_when_another_lies_there(course, tmp_path,
 )
 def test_who_may(served, host, origin, shows, looks, acts):
     access = Access(served, 80)
-    asked = {"host": host, "origin": origin, "token": access.token if shows else None}
+    asked = {"host": host, "origin": origin, "site": None}
+    asked["token"] = access.token if shows else None
     assert (access.refusal(**asked, acts=False) is None) == looks
     assert (access.refusal(**asked, acts=True) is None) == acts
     wrong = {**asked, "token": Access(served, 80).token}

@@ -11,9 +11,9 @@ from gonio.watch import WatchServer
 
 
 class Watcher:
-    def __init__(self, root):
-        self.server = WatchServer(Session.open(root), "127.0.0.1", 0)
-        self.base = f"http://127.0.0.1:{self.server.server_port}"
+    def __init__(self, root, host="127.0.0.1"):
+        self.server = WatchServer(Session.open(root), host, 0)
+        self.base = self.server.access.url.partition("/?")[0]
         threading.Thread(target=self.server.serve_forever, args=(0.05,)).start()
 
     def ask(self, path, method="GET", **headers):

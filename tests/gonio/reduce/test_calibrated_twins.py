@@ -1,0 +1,26 @@
+"""Less than ideal twins, each measured by its own calibration: what is left is as sigma says."""
+
+import numpy as np
+import pytest
+
+from sim.materials import load_material
+from tests.calibrated_draws import calibrated_samples
+from tests.draws import covered
+
+
+@pytest.mark.parametrize(
+    ("imperfections", "material"),
+    [("mild", "woven-cloth"), ("all", "wood-veneer"), ("all", "velvet")],
+)
+def test_what_is_left_of_imperfections_is_as_sigma_says(imperfections, material):
+    random = np.random.default_rng(12)
+    samples, truth, correction = calibrated_samples(
+        imperfections, load_material(material), random, shots=12
+    )
+    found = correction.document.stray_light
+    assert found.share == pytest.approx({"mild": 0.005, "all": 0.03}[imperfections], abs=0.001)
+    z = (samples.value - truth) / samples.sigma
+    # samples share many of their errors, so that one session may be off as a whole
+    assert np.sqrt(np.mean(z**2)) < 1.7
+    assert 0.75 < covered(samples.value, samples.sigma, truth) <= 1.0
+    assert (samples.components["color"] > 0).all()
