@@ -6,14 +6,19 @@ import json
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from gonio.errors import BadFileError, BadInputError
+from gonio.words import size
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+
+LONGEST_TEXT: Final = 1 << 26
+"""In bytes; the largest plan is a tenth of it."""
 
 
 class Document(BaseModel):
@@ -43,17 +48,23 @@ def within(low: float, high: float, *, or_text: bool = False) -> BeforeValidator
     return BeforeValidator(check_range)
 
 
-def read_text(path: Path, remedy: str) -> str:
-    """Read a UTF-8 text file.
+def read_text(path: Path, remedy: str, longest: int = LONGEST_TEXT) -> str:
+    """Read a UTF-8 text file of at most so many bytes.
 
     Raises
     ------
     BadFileError
-        When it is missing, a folder, unreadable or not text.
+        When it is missing, a folder, unreadable, too long or not text.
     """
     try:
+        with path.open("rb") as file:
+            # a device may never end, and has no size
+            content = file.read(longest + 1)
+        if len(content) > longest:
+            raise BadFileError(path, f"is longer than {size(longest)}", remedy)
         # some editors begin a file with a byte order mark
-        return path.read_text(encoding="utf-8-sig")
+        text = content.decode("utf-8-sig")
+        return text.replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise BadFileError(path, "no such file", remedy) from None
     except UnicodeDecodeError as error:

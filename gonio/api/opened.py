@@ -13,6 +13,7 @@ from gonio.color import SRGB, InSpace, srgb_from
 from gonio.directions import paper_directions
 from gonio.errors import BadFileError, BadInputError, ResumeRefusedError
 from gonio.materials import MeasuredTable
+from gonio.words import told_apart
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,12 +70,9 @@ class Opened:
 
 
 def distinct(opened: Sequence[Opened]) -> list[Opened]:
-    """Tell those of one name apart by their place in the row."""
-    names = [one.name for one in opened]
-    return [
-        one if names.count(one.name) == 1 else replace(one, name=f"{one.name} ({number})")
-        for number, one in enumerate(opened, start=1)
-    ]
+    """Tell those of one name apart, as a rule by their place in the row."""
+    names = told_apart([one.name for one in opened])
+    return [replace(one, name=name) for one, name in zip(opened, names, strict=True)]
 
 
 def open_material(source: str) -> Opened:

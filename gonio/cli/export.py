@@ -64,8 +64,11 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
 
 def _default(what: str, source: Source, format_: Format) -> Path:
     from gonio.errors import BadInputError
+    from gonio.exchange.networks.portable import symbol_of
 
-    path = Path(f"{source.name}{format_.suffix}")
+    # a module's name is an identifier, or nobody can import it
+    name = symbol_of(source.name) if format_.suffix == ".py" else source.name
+    path = Path(f"{name}{format_.suffix}")
     if path.exists() and Path(what).exists() and path.samefile(what):
         raise BadInputError(f"{path}: is what is to be exported; name the new file with -o")
     return path

@@ -157,12 +157,14 @@ def _write(folder: Path, sheet: Sheet, scene: Scene) -> None:
 
     from gonio.render.exr import write_exr
     from gonio.report.grids import identifier
+    from gonio.words import told_apart
 
-    for name, of_shape in sheet.pictures.items():
+    names = told_apart([identifier(name) for name in sheet.pictures], "{}-{}")
+    for name, of_shape in zip(names, sheet.pictures.values(), strict=True):
         for shape, picture in of_shape.items():
             alpha = picture.cover[..., None]
             linear = np.concatenate([picture.color, alpha], axis=-1)
-            write_exr(folder / f"{identifier(name)}-{shape}.exr", linear)
+            write_exr(folder / f"{name}-{shape}.exr", linear)
     write_exr(folder / "probe.exr", scene.probe.panorama())
     sheet.write(folder / SHEET_NAME)
 

@@ -11,10 +11,12 @@ import numpy as np
 from gonio.directions import paper_angles_deg, paper_directions
 from gonio.errors import BadFileError
 from gonio.exchange.format import Format, Source
+from gonio.exchange.limits import head_of
 from gonio.files import write_bytes
 from gonio.materials import MeasuredTable
 from gonio.samples import RGB
 from gonio.tables import read_table
+from gonio.words import size as size_in_words
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,6 +27,9 @@ if TYPE_CHECKING:
     from gonio.samples import Samples
 
 _ANGLES = ("light_theta_deg", "light_phi_deg", "view_theta_deg", "view_phi_deg")
+_REMEDY = "make a material of it with: gonio reconstruct"
+# in bytes: of 6561 lines, a dozen times what gonio export writes
+_LONGEST = 1 << 22
 # as near as angles of three decimals are
 _NEAR = 2e-5
 
@@ -52,11 +57,14 @@ def read(path: Path) -> MeasuredTable:
     gonio.errors.BadFileError
         When it cannot be read, or its pairs are others: that is a measurement to be completed.
     """
+    _, size = head_of(path)
+    if size > _LONGEST:
+        raise BadFileError(path, f"is longer than {size_in_words(_LONGEST)}", _REMEDY)
     samples = read_table(path)
     light, view = _node(samples.light), _node(samples.view)
     if (light < 0).any() or (view < 0).any() or not _is_each_once(light, view):
         problem = f"holds {len(samples)} pairs, not each of the 81 x 81 once"
-        raise BadFileError(path, problem, "make a material of it with: gonio reconstruct")
+        raise BadFileError(path, problem, _REMEDY)
     values = np.empty((81, 81, 3))
     values[light, view] = _rgb(samples)
     return MeasuredTable.of(values.clip(0.0))

@@ -170,6 +170,7 @@ def read(path: Path) -> RglTensor:
     for name in ("phi_i", "theta_i"):
         if (np.diff(numbers[name]) <= 0).any():
             raise BadFileError(path, f"{name} does not grow", _REMEDY)
+    _check_azimuths(numbers["phi_i"], path)
     return RglTensor(
         phi=numbers["phi_i"],
         theta=numbers["theta_i"],
@@ -202,6 +203,13 @@ def _check_shapes(fields: Mapping[str, NDArray[Any]], path: Path) -> None:
     wide = (fields[name].shape[-2:] for name in ("ndf", "sigma", "vndf", "rgb"))
     if not fit or min(min(shape) for shape in wide) < 2:
         raise BadFileError(path, "has fields that do not fit each other", _REMEDY)
+
+
+def _check_azimuths(phi: NDArray[np.float64], path: Path) -> None:
+    first, last = float(phi[0]), float(phi[-1])
+    # less than a radian would be a fifth of a turn or less, which no mirrors stand for
+    if len(phi) > 2 and not (last - first > 1.0 and round(TWO_PI / (last - first)) in (1, 2, 4)):
+        raise BadFileError(path, "phi_i is over no whole, half or quarter turn", _REMEDY)
 
 
 def _angles(direction: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -20,6 +20,7 @@ from gonio.exchange.rgl import RglTensor
 from gonio.exchange.tensor_file import pack
 from gonio.exchange.warp import Warp, alone
 from gonio.files import write_bytes
+from gonio.words import utf8
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +46,7 @@ def write_tensor(source: Source, path: Path, progress: Progress | None) -> None:
     rgb, luminance = _values(source.material, empty, progress)
     fields: dict[str, NDArray[Any]] = {
         "version": np.array([1, 0], np.uint8),
-        "description": np.frombuffer(f"{source.name} (gonio)".encode(), np.uint8),
+        "description": np.frombuffer(utf8(f"{source.name} (gonio)"), np.uint8),
         "phi_i": empty.phi,
         "theta_i": empty.theta,
         "sigma": empty.sigma,
@@ -127,8 +128,8 @@ def _values(
     facing = (light * half).sum(axis=1)
     view = 2 * facing[:, None] * half - light
     seen = evaluate_in_blocks(material, light, above_horizon(view), progress)
-    # beyond the horizon it goes on through zero, so that it is zero there between nodes, too
-    seen *= view[:, 2:]
+    # zero beyond the horizon: what is negative there is so above it, too, between the nodes
+    seen *= view[:, 2:].clip(0.0)
     value = seen / empty.density(square, theta_i, phi_i)[:, None]
     stretch = np.maximum(2 * np.pi**2 * square[:, 0] * np.sin(theta), 1e-6) * 4 * facing.clip(0.0)
     _, density = warp.invert(square, alone(np.repeat(np.arange(views), size**2)))

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 _ISOTROPIC, _ANISOTROPIC = 64, 32
 _MERGED = 0.05
 _CHROMA_MERGED = 0.004
+# in 1/sr
+_BLACK = 1e-6
 _BASIS = "LBNL/Shirley-Chiu"
 _STRUCTURES = {"tensortree3": 3, "tensortree4": 4}
 
@@ -124,7 +126,12 @@ def write(source: Source, path: Path, progress: Progress | None) -> None:
     dimensions = 3 if source.anisotropy <= ISOTROPIC_BELOW else 4
     count = _ISOTROPIC if dimensions == 3 else _ANISOTROPIC
     xyz = xyz_of(sampled(source.material, dimensions, count, progress).clip(0.0))
-    luminance = xyz[..., 1]
+    # of a tree with one exact zero Radiance was seen to return one value everywhere
+    luminance = xyz[..., 1].clip(_BLACK)
+    if dimensions == 3:
+        # Radiance takes a Lambertian part off, and with it (bsdf_t.c, subtract_min_RGB) the colour
+        # of an isotropic tree; a black cube leaves none: light and view beyond 75 deg, 45 deg apart
+        luminance[0, 0, 0] = _BLACK
     dark = 1e-3 * float(luminance.mean())
     data = {"Visible": serialise(luminance, _MERGED, dark)}
     for name, each in zip(("CIE-u", "CIE-v"), _chroma_from_xyz(xyz), strict=True):

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 DEEPEST: Final = 12
 """Halvings of a tree that is read."""
 
+_MOST_NODES: Final = 1 << 18
+"""Four times those of the finest tree of gonio export."""
+
 _TOKEN = re.compile(r"[{}]|[^\s,{}]+")
 
 
@@ -34,7 +37,9 @@ class Tree:
     dimensions
         3 or 4.
     children
-        Nodes below each node, shape (nodes, 2^d); of a leaf, the first is its first value's place.
+        Nodes below each branch, shape (branches, 2^d).
+    first
+        A branch's row in `children`, a leaf's first place in `values`, shape (nodes,).
     halvings
         How often each leaf's grid halves it, shape (nodes,); -1 for what is no leaf.
     values
@@ -43,6 +48,7 @@ class Tree:
 
     dimensions: int
     children: NDArray[np.int64]
+    first: NDArray[np.int64]
     halvings: NDArray[np.int64]
     values: Array
 
@@ -57,7 +63,7 @@ class Tree:
                 break
             twice = 2.0 * place[inside]
             half = twice >= 1.0
-            node[inside] = self.children[node[inside], half @ bits]
+            node[inside] = self.children[self.first[node[inside]], half @ bits]
             place[inside] = twice - half
         return self._on_grid(node, place)
 
@@ -66,7 +72,7 @@ class Tree:
         offset = np.zeros(len(place), np.int64)
         for part in place.T:
             offset = (offset << halvings) + (part * (1 << halvings)).astype(np.int64)
-        return np.asarray(self.values[self.children[node, 0] + offset])
+        return np.asarray(self.values[self.first[node] + offset])
 
 
 def parse(text: str, dimensions: int) -> Tree:
@@ -85,6 +91,7 @@ class _Parsing:
         self._tokens: Iterator[str] = (match[0] for match in _TOKEN.finditer(text))
         self._dimensions = dimensions
         self._children: list[list[int]] = []
+        self._first: list[int] = []
         self._halvings: list[int] = []
         self._values: list[float] = []
 
@@ -97,17 +104,20 @@ class _Parsing:
         values = np.array(self._values)
         if not np.isfinite(values).all() or np.abs(values).max() > np.finfo(np.float32).max:
             raise ValueError("holds values that are not finite")
-        children, halvings = np.array(self._children), np.array(self._halvings)
-        return Tree(self._dimensions, children, halvings, values.clip(0.0))
+        children = np.array(self._children, np.int64).reshape(-1, 1 << self._dimensions)
+        first, halvings = np.array(self._first), np.array(self._halvings)
+        return Tree(self._dimensions, children, first, halvings, values.clip(0.0))
 
     def _node(self, depth: int) -> int:
         """Read what follows an opening brace, and its closing one; return the node's number."""
         if depth > DEEPEST:
             raise ValueError(f"is deeper than {DEEPEST}")
-        number, ways = len(self._children), 1 << self._dimensions
-        self._children.append([0] * ways)
-        self._halvings.append(-1)
+        number, ways = len(self._halvings), 1 << self._dimensions
+        if number == _MOST_NODES:
+            raise ValueError(f"has more than {_MOST_NODES} nodes")
         first = len(self._values)
+        self._first.append(first)
+        self._halvings.append(-1)
         below: list[int] = []
         for token in self._tokens:
             if token == "{" and len(self._values) >= first and len(below) < ways:
@@ -127,13 +137,13 @@ class _Parsing:
         if below:
             if len(below) != 1 << self._dimensions:
                 raise ValueError(f"has a node of {len(below)} branches")
-            self._children[number] = below
+            self._first[number] = len(self._children)
+            self._children.append(below)
             return
         count = len(self._values) - first
         halvings = max(count.bit_length() - 1, 0) // self._dimensions
         if count != 1 << halvings * self._dimensions or depth + halvings > DEEPEST:
             raise ValueError(f"has a leaf of {count} values")
-        self._children[number][0] = first
         self._halvings[number] = halvings
 
 

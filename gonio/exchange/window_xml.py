@@ -6,6 +6,7 @@ Layout as WINDOW writes it (namespace http://windows.lbl.gov) and as Radiance's 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 from xml.etree.ElementTree import Element, TreeBuilder
@@ -132,7 +133,9 @@ def text_of(element: Element, path: str) -> str:
 
 def is_window(head: bytes, *, tree: bool) -> bool:
     """Tell whether a file that begins like this is such XML, of a tree or of a matrix."""
-    return b"<WindowElement" in head and (b"TensorTree" in head) == tree
+    # not anywhere: a material may be called by that word
+    of_tree = re.search(rb"<IncidentDataStructure[^>]*>\s*TensorTree", head, re.IGNORECASE)
+    return b"<WindowElement" in head and (of_tree is not None) == tree
 
 
 def xyz_of(rgb: NDArray[np.float64]) -> NDArray[np.float64]:

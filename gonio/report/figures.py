@@ -59,6 +59,11 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     return Figure(figsize=(width_in, height_in), dpi=200, layout="constrained")
 
 
+def literal(name: str) -> str:
+    """Return what draws a name as it is: what stands between dollars would be set as formulas."""
+    return name.replace("$", r"\$")
+
+
 def label_decades(axis: Axis) -> None:
     """Label a logarithmic axis with plain numbers, three of them or more, as round as can be."""
     from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.directions import from_spherical
-from gonio.report.figures import SERIES, label_decades, new_figure
+from gonio.report.figures import SERIES, label_decades, literal, new_figure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -43,7 +43,9 @@ def draw_lobes(azimuth_deg: float, materials: Mapping[str, Material], white: flo
             mean = material.evaluate(light, view).mean(axis=-1).clip(min=_FLOOR * white)
             color, _ = SERIES[number % len(SERIES)]
             style = (0, (3, 1.5)) if number == 0 else "-"
-            axis.plot(_VIEWS_DEG, mean, color=color, linestyle=style, label=name, linewidth=1.2)
+            axis.plot(
+                _VIEWS_DEG, mean, color=color, linestyle=style, label=literal(name), linewidth=1.2
+            )
         axis.set_title(f"light at {theta_deg:g}°", fontsize=8.5)
         axis.set_xticks([-60, -30, 0, 30, 60])
         axis.grid(axis="y", linewidth=0.6)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gonio.files import write_with
 from gonio.render.contrast import contrast, developed, exposure, on_paper, scale_of
-from gonio.report.figures import new_figure
+from gonio.report.figures import literal, new_figure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -90,7 +90,8 @@ class Sheet:
         for row, (name, of_shape) in zip(axes, self.pictures.items(), strict=True):
             for axis in row:
                 _strip(axis)
-            row[0].set_ylabel("\n".join(filter(None, (name, self.scores.get(name)))), fontsize=8)
+            told = filter(None, (literal(name), self.scores.get(name)))
+            row[0].set_ylabel("\n".join(told), fontsize=8)
             for picture, left in zip(of_shape.values(), row[::per_shape], strict=True):
                 left.imshow(on_paper(developed(picture, self.factor), picture.cover))
             for each, right in zip(self.contrasts.get(name, {}).values(), row[1::2], strict=False):
@@ -99,7 +100,8 @@ class Sheet:
             bar = figure.colorbar(
                 image, ax=axes, orientation="horizontal", extend="max", aspect=70, shrink=0.6
             )
-            bar.set_label(f"difference from {self._first} (8-bit steps, mean of channels)", size=8)
+            first = literal(self._first)
+            bar.set_label(f"difference from {first} (8-bit steps, mean of channels)", size=8)
             bar.ax.tick_params(labelsize=7)
         return figure
 

@@ -37,7 +37,7 @@ def compiled(text, folder, flags):
     (folder / "brdf.h").write_text(text)
     (folder / "all.c").write_text(
         '#include "brdf.h"\nvoid all(const float *l, const float *v, int n, float *c)'
-        "{ for (int i = 0; i < n; ++i) gonio_brdf(l + 3 * i, v + 3 * i, c + 3 * i); }\n"
+        "{ for (int i = 0; i < n; ++i) gonio_bench(l + 3 * i, v + 3 * i, c + 3 * i); }\n"
     )
     command = [os.environ.get("CC", "cc"), *flags, "-shared", "-fPIC", "all.c", "-o", "all.so"]
     subprocess.run([*command, "-lm"], cwd=folder, check=True)

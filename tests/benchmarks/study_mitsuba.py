@@ -11,8 +11,8 @@ import mitsuba as mi
 from mitsuba.chi2 import BSDFAdapter, ChiSquareTest, SphericalDomain
 
 from gonio.directions import from_degrees
-from gonio.exchange.networks.mitsuba_plugin import plugin_name, text_of
-from gonio.exchange.networks.portable import portable_of
+from gonio.exchange.networks.mitsuba_plugin import text_of
+from gonio.exchange.networks.portable import portable_of, symbol_of
 from tests.gonio.exchange.networks import taught
 
 MODELS = {"isotropic": (taught(), False), "grained": (taught("anisotropic"), True)}
@@ -28,7 +28,7 @@ def main():
             spec.loader.exec_module(importlib.util.module_from_spec(spec))
         for theta_deg in (0.0, 60.0, 80.0):
             wi = from_degrees(theta_deg, 25.0).tolist()
-            draw, density = BSDFAdapter(plugin_name(name), "", wi=wi)
+            draw, density = BSDFAdapter(symbol_of(name), "", wi=wi)
             test = ChiSquareTest(SphericalDomain(), draw, density, sample_dim=3, ires=16)
             # run() writes its data into the folder that one is in when it rejects
             verdict = "accepted" if test.run() else "rejected"

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from gonio.directions import from_degrees
 from gonio.errors import BadFileError
+from gonio.exchange import format_named
 from gonio.samples import Flag
 from gonio.tables import read_table
 
@@ -18,6 +19,18 @@ def write(folder, text, encoding="utf-8"):
     path = folder / "samples.csv"
     path.write_bytes(text.encode(encoding))
     return path
+
+
+def test_what_never_ends_and_what_is_too_long_is_refused(tmp_path):
+    (tmp_path / "endless.csv").symlink_to("/dev/zero")
+    with (tmp_path / "long.csv").open("wb") as file:
+        file.truncate(20_000_000)
+    for name in ("endless.csv", "long.csv"):
+        with pytest.raises(BadFileError, match=r"is longer than 16\.8 MB"):
+            read_table(tmp_path / name)
+    for name, problem in (("endless.csv", "is no file"), ("long.csv", r"is longer than 4\.19 MB")):
+        with pytest.raises(BadFileError, match=problem):
+            format_named("csv").read(tmp_path / name)
 
 
 def test_reads_directions_values_and_where_they_came_from(tmp_path):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from typing import TYPE_CHECKING
 
-from gonio.exchange.format import Format
-from gonio.exchange.networks.portable import portable_of
+from gonio.exchange.networks.formats import network_format
 from gonio.exchange.networks.printing import ARITHMETIC, Language
 from gonio.exchange.networks.source_text import (
     activation_lines,
@@ -14,14 +14,9 @@ from gonio.exchange.networks.source_text import (
     value_texts,
     weight_texts,
 )
-from gonio.files import write_bytes
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from gonio.exchange.format import Source
     from gonio.exchange.networks.portable import Portable
-    from gonio.protocols import Progress
 
 C = Language(
     operations=ARITHMETIC
@@ -46,20 +41,24 @@ C = Language(
 _TEXT = """\
 /* {description}
  * Written by gonio; C99 or C++, of which it needs the mathematics library only (-lm). */
-#ifndef GONIO_BRDF_H
-#define GONIO_BRDF_H
+#ifndef {guard}
+#define {guard}
 
 #include <math.h>
 
+{body}
+#endif
+"""
+_BODY = """\
 {weights}
 
-static inline float gonio_activation(float x) {{
+static inline float {symbol}_activation(float x) {{
 {activation}
 }}
 
 /* BRDF in 1/sr, without the cosine, for unit vectors away from the surface: z is its normal, x the
  * direction of the sample's marked edge. Zero for a direction at or below the horizon. */
-static inline void gonio_brdf(const float light[3], const float view[3], float rgb[3]) {{
+static inline void {symbol}(const float light[3], const float view[3], float rgb[3]) {{
     const float lx = light[0], ly = light[1], lz = light[2];
     const float vx = view[0], vy = view[1], vz = view[2];
     rgb[0] = rgb[1] = rgb[2] = 0.0f;
@@ -67,16 +66,22 @@ static inline void gonio_brdf(const float light[3], const float view[3], float r
 {evaluation}
 {values}
 }}
-
-#endif
 """
 
 
 def text_of(network: Portable) -> str:
     """Return the header."""
+    body = _body(network)
+    # of the content: of two networks of one name the second is an error, not passed over
+    digest = sha256(body.encode()).hexdigest()[:8]
+    guard = f"{network.symbol}_{digest}_h".upper()
+    return _TEXT.format(description=network.description, guard=guard, body=body)
+
+
+def _body(network: Portable) -> str:
     values = [f"rgb[{index}] = {each};" for index, each in enumerate(value_texts(network, C))]
-    return _TEXT.format(
-        description=network.description,
+    return _BODY.format(
+        symbol=network.symbol,
         weights="\n".join(
             f"static const float {name}[{count}] = {{\n    {numbers}}};"
             for name, count, numbers in weight_texts(network, C)
@@ -87,25 +92,9 @@ def text_of(network: Portable) -> str:
     )
 
 
-def write(source: Source, path: Path, progress: Progress | None) -> None:
-    """Write the header.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        When the material is no network.
-    gonio.errors.StorageError
-        When the operating system refuses.
-    """
-    write_bytes(path, text_of(portable_of(source.material, source.name)).encode())
-
-
-FORMAT = Format(
+FORMAT = network_format(
     name="c",
     suffix=".h",
-    title="C header with the network inside: gonio_brdf(light, view, rgb)",
-    keeps="the network in single precision, every pair of directions, anisotropy",
-    loses="sigma",
-    write=write,
-    read=None,
+    title="C header with the network inside: gonio_NAME(light, view, rgb)",
+    content=lambda network, source, path: text_of(network).encode(),
 )

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gonio.exchange.format import Format
-from gonio.exchange.networks.portable import portable_of
+from gonio.exchange.networks.formats import network_format
 from gonio.exchange.networks.printing import ARITHMETIC, Language
 from gonio.exchange.networks.source_text import (
     activation_lines,
@@ -14,14 +13,9 @@ from gonio.exchange.networks.source_text import (
     value_texts,
     weight_texts,
 )
-from gonio.files import write_bytes
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from gonio.exchange.format import Source
     from gonio.exchange.networks.portable import Portable
-    from gonio.protocols import Progress
 
 GLSL = Language(
     operations=ARITHMETIC
@@ -50,20 +44,23 @@ _TEXT = """\
 {weights}
 
 // Abramowitz and Stegun (1964), 7.1.26: at most 1.5e-7 off.
+#ifndef GONIO_ERF
+#define GONIO_ERF
 float gonio_erf(float x) {{
     float t = 1.0 / (1.0 + 0.3275911 * abs(x));
     float p = 1.061405429 * t - 1.453152027;
     p = ((p * t + 1.421413741) * t - 0.284496736) * t + 0.254829592;
     return sign(x) * (1.0 - p * t * exp(-x * x));
 }}
+#endif
 
-float gonio_activation(float x) {{
+float {symbol}_activation(float x) {{
 {activation}
 }}
 
 // BRDF in 1/sr, without the cosine, for unit vectors away from the surface: z is its normal, x the
 // direction of the sample's marked edge. Zero for a direction at or below the horizon.
-vec3 gonio_brdf(vec3 light, vec3 view) {{
+vec3 {symbol}(vec3 light, vec3 view) {{
     float lx = light.x, ly = light.y, lz = light.z;
     float vx = view.x, vy = view.y, vz = view.z;
     if (!(lz > 0.0 && vz > 0.0)) return vec3(0.0);
@@ -78,6 +75,7 @@ def text_of(network: Portable) -> str:
     """Return the functions."""
     return _TEXT.format(
         description=network.description,
+        symbol=network.symbol,
         weights="\n".join(
             f"const float {name}[{count}] = float[{count}](\n    {numbers});"
             for name, count, numbers in weight_texts(network, GLSL)
@@ -88,25 +86,9 @@ def text_of(network: Portable) -> str:
     )
 
 
-def write(source: Source, path: Path, progress: Progress | None) -> None:
-    """Write the functions.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        When the material is no network.
-    gonio.errors.StorageError
-        When the operating system refuses.
-    """
-    write_bytes(path, text_of(portable_of(source.material, source.name)).encode())
-
-
-FORMAT = Format(
+FORMAT = network_format(
     name="glsl",
     suffix=".glsl",
-    title="GLSL function with the network inside: vec3 gonio_brdf(vec3 light, vec3 view)",
-    keeps="the network in single precision, every pair of directions, anisotropy",
-    loses="sigma",
-    write=write,
-    read=None,
+    title="GLSL function with the network inside: vec3 gonio_NAME(vec3 light, vec3 view)",
+    content=lambda network, source, path: text_of(network).encode(),
 )

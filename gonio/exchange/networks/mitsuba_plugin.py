@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.exchange.format import Format
 from gonio.exchange.isotropy import ISOTROPIC_BELOW
 from gonio.exchange.networks.activations import activation_of
+from gonio.exchange.networks.formats import network_format
 from gonio.exchange.networks.inputs import inputs_of
-from gonio.exchange.networks.portable import portable_of, without_marks
+from gonio.exchange.networks.portable import without_marks
 from gonio.exchange.networks.printing import ARITHMETIC, Language
-from gonio.files import write_bytes
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from gonio.exchange.format import Source
     from gonio.exchange.networks.portable import Portable
-    from gonio.protocols import Progress
 
 PYTHON = Language(
     operations=ARITHMETIC
@@ -48,11 +46,6 @@ _TEMPLATE = "mitsuba_plugin.txt"
 _LOGARITHMIC, _PLAIN = "m.exp(_smaller(m, o, 50.0)) - 0.01", "o"
 
 
-def plugin_name(name: str) -> str:
-    """Return what scenes call the BSDF of a material."""
-    return "gonio_" + re.sub(r"\W+", "_", name.lower(), flags=re.ASCII).strip("_")
-
-
 def text_of(network: Portable, module: str, anisotropic: bool) -> str:
     """Return the plugin.
 
@@ -71,7 +64,7 @@ def text_of(network: Portable, module: str, anisotropic: bool) -> str:
     values = {
         "DESCRIPTION": network.description,
         "MODULE": without_marks(module),
-        "PLUGIN": plugin_name(network.name),
+        "PLUGIN": network.symbol,
         "SIZES": repr(list(network.sizes)),
         "SCALE": repr(list(network.scale)),
         "ANISOTROPIC": repr(anisotropic),
@@ -88,27 +81,13 @@ def _body(lines: list[str]) -> str:
     return "\n".join(f"    {line}" for line in lines)
 
 
-def write(source: Source, path: Path, progress: Progress | None) -> None:
-    """Write the plugin.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        When the material is no network.
-    gonio.errors.StorageError
-        When the operating system refuses.
-    """
-    network = portable_of(source.material, source.name)
-    anisotropic = source.anisotropy > ISOTROPIC_BELOW
-    write_bytes(path, text_of(network, path.stem, anisotropic).encode())
+def _content(network: Portable, source: Source, path: Path) -> bytes:
+    return text_of(network, path.stem, source.anisotropy > ISOTROPIC_BELOW).encode()
 
 
-FORMAT = Format(
+FORMAT = network_format(
     name="mitsuba",
     suffix=".py",
     title="plugin of Mitsuba 3 that evaluates and samples the network",
-    keeps="the network in single precision, every pair of directions, anisotropy",
-    loses="sigma",
-    write=write,
-    read=None,
+    content=_content,
 )

@@ -8,23 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gonio.errors import MissingExtraError
-from gonio.exchange.format import Format
 from gonio.exchange.networks.activations import activation_of
 from gonio.exchange.networks.expression import CONSTANT, INPUT, in_order
+from gonio.exchange.networks.formats import network_format
 from gonio.exchange.networks.inputs import inputs_of
-from gonio.exchange.networks.portable import portable_of
-from gonio.files import write_bytes
+from gonio.words import utf8
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from numpy.typing import ArrayLike
 
-    from gonio.exchange.format import Source
     from gonio.exchange.networks.expression import Expression
     from gonio.exchange.networks.portable import Portable
-    from gonio.protocols import Progress
 
 # of 2022: what has read ONNX since then reads it
 _OPSET, _FILE_VERSION = 17, 8
@@ -128,7 +124,8 @@ def model_of(network: Portable) -> Any:
         producer_name="gonio",
         doc_string=f"{network.description}. BRDF in 1/sr of unit vectors; z is the normal.",
     )
-    helper.set_model_props(model, {"name": network.name, "color_space": network.color_space})
+    properties = {"name": utf8(network.name).decode(), "color_space": network.color_space}
+    helper.set_model_props(model, properties)
     return model
 
 
@@ -160,25 +157,9 @@ def _layer(graph: Graph, layer: np.ndarray[Any, Any], signal: str) -> str:
     return graph.add("Gemm", signal, weights, bias, transB=1)
 
 
-def write(source: Source, path: Path, progress: Progress | None) -> None:
-    """Write the graph.
-
-    Raises
-    ------
-    gonio.errors.BadInputError
-        When the material is no network.
-    gonio.errors.StorageError
-        When the operating system refuses.
-    """
-    write_bytes(path, model_of(portable_of(source.material, source.name)).SerializeToString())
-
-
-FORMAT = Format(
+FORMAT = network_format(
     name="onnx",
     suffix=".onnx",
     title="ONNX graph, light and view (n, 3) to rgb (n, 3)",
-    keeps="the network in single precision, every pair of directions, anisotropy",
-    loses="sigma",
-    write=write,
-    read=None,
+    content=lambda network, source, path: model_of(network).SerializeToString(),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -61,6 +62,11 @@ class Portable:
         return sum(layer.size for layer in self.layers)
 
     @property
+    def symbol(self) -> str:
+        """What programs call it: a prefix of all its names, so that two fit into one program."""
+        return symbol_of(self.name)
+
+    @property
     def description(self) -> str:
         """What it is, in one line without characters that end a comment in any language."""
         sizes = "-".join(map(str, self.sizes))
@@ -71,6 +77,13 @@ class Portable:
 def without_marks(text: str) -> str:
     """Return a text from a file as it may stand in the comments of any language."""
     return "".join(each if each.isalnum() or each in " -." else "_" for each in text)
+
+
+def symbol_of(name: str) -> str:
+    """Return what programs call a material, such as gonio_leather."""
+    # GLSL keeps names with two underscores for itself
+    plain = re.sub(r"[\W_]+", "_", name.lower(), flags=re.ASCII).strip("_")
+    return f"gonio_{plain or 'material'}"
 
 
 def portable_of(model: Material, name: str) -> Portable:

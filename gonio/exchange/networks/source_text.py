@@ -24,7 +24,7 @@ def activation_lines(network: Portable, language: Language) -> list[str]:
 def evaluation_lines(network: Portable, language: Language) -> list[str]:
     """Return the lines that make `y0`, the outputs, of lx to vz.
 
-    Layer n has its weights in `gonio_w<n>`, those of one input together, the biases last: sums
+    Layer n has its weights in `<symbol>_w<n>`, those of one input together, the biases last: sums
     that run over the outputs, of which a compiler makes vectors.
     """
     lines, results = language.lines(inputs_of(network.encoding))
@@ -33,7 +33,7 @@ def evaluation_lines(network: Portable, language: Language) -> list[str]:
     last = len(network.layers) - 1
     for index, layer in enumerate(network.layers):
         outputs, inputs = layer.shape[0], layer.shape[1] - 1
-        x, y, w = f"y{index}", f"y{index + 1}", f"gonio_w{index}"
+        x, y, w = f"y{index}", f"y{index + 1}", f"{network.symbol}_w{index}"
         each = f"for (int j = 0; j < {outputs}; ++j)"
         lines += [
             f"float {y}[{outputs}];",
@@ -42,7 +42,7 @@ def evaluation_lines(network: Portable, language: Language) -> list[str]:
             f"    {each} {y}[j] += {w}[i * {outputs} + j] * {x}[i];",
         ]
         if index < last:
-            lines.append(f"{each} {y}[j] = gonio_activation({y}[j]);")
+            lines.append(f"{each} {y}[j] = {network.symbol}_activation({y}[j]);")
     return lines
 
 
@@ -64,7 +64,7 @@ def value_texts(network: Portable, language: Language) -> list[str]:
 def weight_texts(network: Portable, language: Language) -> list[tuple[str, int, str]]:
     """Return name, count and numbers of each layer's weights, those of one input together."""
     return [
-        (f"gonio_w{index}", layer.size, language.numbers(layer.T.ravel()))
+        (f"{network.symbol}_w{index}", layer.size, language.numbers(layer.T.ravel()))
         for index, layer in enumerate(network.layers)
     ]
 

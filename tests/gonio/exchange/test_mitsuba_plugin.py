@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gonio.directions import from_degrees
-from gonio.exchange.networks.mitsuba_plugin import plugin_name, text_of
-from gonio.exchange.networks.portable import portable_of
+from gonio.exchange.networks.mitsuba_plugin import text_of
+from gonio.exchange.networks.portable import portable_of, symbol_of
 from nnbrdf.albedo import directional_albedo
 from tests.gonio.exchange.networks import exactly, plain, some_pairs, taught
 
@@ -30,7 +30,7 @@ def bsdfs(tmp_path_factory):
         path.write_text(text_of(portable_of(model, name), path.stem, anisotropic))
         spec = importlib.util.spec_from_file_location(path.stem, path)
         spec.loader.exec_module(importlib.util.module_from_spec(spec))
-        made[name] = mi.load_dict({"type": plugin_name(name)})
+        made[name] = mi.load_dict({"type": symbol_of(name)})
     return made
 
 
@@ -97,7 +97,7 @@ def test_below_the_horizon_there_is_nothing(bsdfs):
 
 
 def test_a_scene_is_rendered_with_it(bsdfs):
-    shape = {"type": "sphere", "bsdf": {"type": plugin_name("isotropic")}}
+    shape = {"type": "sphere", "bsdf": {"type": symbol_of("isotropic")}}
     sensor = {
         "type": "perspective", "fov": 40,
         "to_world": mi.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0]),

@@ -1,6 +1,7 @@
 """`gonio export --to` of networks, by the command line."""
 
 import ast
+import os
 import subprocess
 import sys
 
@@ -47,6 +48,24 @@ def test_the_plugin_is_called_after_the_model_and_is_python(model, tmp_path):
     assert 'mi.register_bsdf("gonio_leather", GonioBSDF)' in text
     assert "import other " in text
     assert "ANISOTROPIC = False" in text
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_the_name_of_a_model_need_not_be_text(name, tmp_path):
+    if name == "onnx":
+        pytest.importorskip("onnx")
+    folder = tmp_path / os.fsdecode(b"leather\xff")
+    taught().save(folder)
+    assert export(folder, "--to", name, "-o", tmp_path / "out").exit_code == 0
+
+
+def test_the_plugin_can_be_imported_whatever_the_model_is_called(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    taught().save(tmp_path / "2026-11 leather-a")
+    assert export("2026-11 leather-a", "--to", "mitsuba").exit_code == 0
+    (made,) = tmp_path.glob("*.py")
+    assert made.stem == "gonio_2026_11_leather_a"
+    assert f"import {made.stem} " in made.read_text()
 
 
 def test_onnx_of_a_saved_model_reads_as_the_model(model, tmp_path):

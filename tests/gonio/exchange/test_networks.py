@@ -93,11 +93,12 @@ def compiled(tmp_path_factory):
     def run(header, light, view, language="c"):
         folder = tmp_path_factory.mktemp("compiled")
         (folder / "brdf.h").write_text(header)
+        (function,) = re.findall(r"void (gonio_\w+)\(const float", header)
         linkage = 'extern "C" ' if language == "c++" else ""
         (folder / "all.c").write_text(
             '#include "brdf.h"\n' + linkage + "void all(const float *l, const float *v, int n, "
             "float *rgb) { for (int i = 0; i < n; ++i) "
-            "gonio_brdf(l + 3 * i, v + 3 * i, rgb + 3 * i); }\n"
+            f"{function}(l + 3 * i, v + 3 * i, rgb + 3 * i); }}\n"
         )
         standard = {"c": "-std=c99", "c++": "-std=c++11"}[language]
         command = ["gcc", "-x", language, standard, "-O1", "-Wall", "-Wextra", "-Werror", "-shared"]
@@ -131,6 +132,29 @@ def test_the_header_is_cpp_as_well_and_names_do_no_harm(compiled):
     assert_close(compiled(text, LIGHT, VIEW, "c++"), "taught")
 
 
+def test_two_headers_are_two_materials_and_one_name_is_one(tmp_path):
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+
+    def compiles(*files):
+        lines = [f'#include "{name}"\n' for name in files]
+        command = ["gcc", "-x", "c", "-std=c99", "-fsyntax-only", "-"]
+        ran = subprocess.run(
+            command, cwd=tmp_path, input="".join(lines), text=True, capture_output=True, check=False
+        )
+        return ran.returncode == 0
+
+    for file, kind, name in (
+        ("a", "taught", "red"),
+        ("b", "plain", "2 blue"),
+        ("c", "gray", "red"),
+    ):
+        text = c_header.text_of(portable_of(MODELS[kind], name))
+        (tmp_path / f"{file}.h").write_text(text)
+    assert compiles("a.h", "b.h", "a.h")
+    assert not compiles("a.h", "c.h")
+
+
 def test_below_the_horizon_there_is_nothing(compiled):
     text = c_header.text_of(portable_of(MODELS["plain"], "plain"))
     down = LIGHT * np.float32([1, 1, -1])
@@ -151,7 +175,9 @@ def test_glsl_compiles(name, version, tmp_path):
         pytest.skip("needs glslangValidator")
     text = glsl.text_of(portable_of(MODELS[name], name))
     shader = tmp_path / "brdf.frag"
-    shader.write_text(f"{_STAGES[version]}{text}void main() {{ c = vec4(gonio_brdf(l, v), 1.0); }}")
+    shader.write_text(
+        f"{_STAGES[version]}{text}void main() {{ c = vec4(gonio_{name}(l, v), 1.0); }}"
+    )
     ran = subprocess.run(["glslangValidator", shader], capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stdout
 
@@ -174,7 +200,7 @@ def test_glsl_says_what_the_model_says(name, compiled):
     text = glsl.text_of(portable_of(MODELS[name], name))
     text = re.sub(r"= float\[\d+\]\(([^)]*)\);", r"= {\1};", text)
     text = re.sub(r"\b(\d+\.\d+(e[+-]?\d+)?|\d+e[+-]?\d+)", r"\g<0>f", text)
-    text = text.replace("vec3 gonio_brdf(", "static vec3 shade(")
+    text = text.replace(f"vec3 gonio_{name}(", "static vec3 shade(")
     text += (
         "static void gonio_brdf(const float *l, const float *v, float *c) { vec3 r = "
         "shade(vec3(l[0], l[1], l[2]), vec3(v[0], v[1], v[2])); c[0]=r.x; c[1]=r.y; c[2]=r.z; }"

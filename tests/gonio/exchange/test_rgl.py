@@ -1,5 +1,6 @@
 """RGL's tensors: written and read as Mitsuba reads them, and refused where broken."""
 
+import os
 import struct
 
 import numpy as np
@@ -19,18 +20,21 @@ from sim.materials import EMBEDDED
 _TILTED = Sum((Lambert((0.3, 0.2, 0.1)), Fibers((0.1, 0.05, 0.02), width=0.3, tilt=0.2)))
 _GROOVED = Sum((Lambert((0.1, 0.1, 0.1)), AnisotropicGGX((0.5, 0.4, 0.3), 0.2, 0.5)))
 _EVEN = EMBEDDED["gold-leaf"].material
+_GLOSSY = EMBEDDED["glossy-plastic"].material
 
 
 @pytest.fixture(scope="module")
 def tensors(tmp_path_factory):
-    """Write small tensors: of an even material, and of two with a grain."""
+    """Write small tensors: of two even materials, and of two with a grain."""
     folder = tmp_path_factory.mktemp("rgl")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rgl_writing, "_NODES", 24)
         patch.setattr(rgl_writing, "_PHI_STEP_DEG", 15.0)
         patch.setattr(rgl_writing, "_FINE_NODES", 40)
-        for name, material in (("even", _EVEN), ("tilted", _TILTED), ("grooved", _GROOVED)):
-            write(Source(material, name), folder / f"{name}.bsdf", None)
+        materials = {"even": _EVEN, "glossy": _GLOSSY, "tilted": _TILTED, "grooved": _GROOVED}
+        for name, material in materials.items():
+            # the name of a file need not be text
+            write(Source(material, os.fsdecode(b"\xff") + name), folder / f"{name}.bsdf", None)
     return folder
 
 
@@ -109,8 +113,31 @@ def test_mitsuba_samples_what_it_evaluates(tensors, mitsuba):
     assert weights[:, 1].std() < 0.3 * weights[:, 1].mean()
 
 
+@pytest.mark.parametrize("theta_deg", [80, 86])
+@pytest.mark.parametrize(("name", "material"), [("even", _EVEN), ("glossy", _GLOSSY)])
+def test_a_grazing_light_is_sent_back_by_no_less_than_nothing(
+    tensors, mitsuba, name, material, theta_deg
+):
+    bsdf = mitsuba.load_dict({"type": "measured", "filename": str(tensors / f"{name}.bsdf")})
+    surface, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
+    light = from_spherical(np.radians(theta_deg), 0.4)
+    surface.wi = mitsuba.Vector3f(*light)
+    middle = (np.arange(16) + 0.5) / 16
+    draws = [bsdf.sample(context, surface, 0.5, mitsuba.Point2f(x, y))[1]
+             for x in middle for y in middle]  # fmt: skip
+    weights = np.array(draws)
+    assert (weights >= 0).all()
+    # finer than the highlight
+    u, v = (np.arange(300) + 0.5) / 300, (np.arange(400) + 0.5) / 400
+    view = from_spherical(np.arccos(np.sqrt(u))[:, None], 2 * np.pi * v)
+    albedo = np.pi * material.evaluate(light, view).mean(axis=(0, 1))
+    np.testing.assert_allclose(weights.mean(axis=0), albedo, rtol=0.15)
+
+
 def test_tensors_of_the_database(measured, pairs, mitsuba):
-    for path in sorted(measured.glob("*_rgb.bsdf")):
+    paths = sorted(measured.glob("*_rgb.bsdf"))
+    assert paths
+    for path in paths:
         told = _in_mitsuba(mitsuba, path, *pairs)
         # out of gamut, the files hold negative values
         told = told.clip(0)
@@ -185,6 +212,25 @@ def test_a_spoiled_field_is_one_line(name, tensors, tmp_path):
     path = tmp_path / f"{name}.bsdf"
     path.write_bytes(pack(fields))
     with pytest.raises(BadFileError, match=says):
+        read_material(path)
+
+
+AZIMUTHS = {
+    "sixth": np.linspace(0.0, np.pi / 3, 3),
+    "endless": np.array([0.0, 1.0, 1e4]),
+    "nothing": np.array([0.0, 1e-310, 2e-310]),
+}
+
+
+@pytest.mark.parametrize("name", AZIMUTHS)
+def test_azimuths_that_no_mirrors_stand_for_are_refused(name, tensors, tmp_path):
+    source = tensors / "grooved.bsdf"
+    fields = unpack(source.read_bytes(), source)
+    for field in ("vndf", "luminance", "rgb"):
+        fields[field] = fields[field][:3]
+    path = tmp_path / f"{name}.bsdf"
+    path.write_bytes(pack(fields | {"phi_i": AZIMUTHS[name]}))
+    with pytest.raises(BadFileError, match="phi_i is over no whole, half or quarter turn"):
         read_material(path)
 
 

@@ -79,6 +79,27 @@ class OfTheLight:
         return np.broadcast_to(value, shape)
 
 
+class Turning:
+    """Isotropic, but neither mirrored nor the same with light and view exchanged."""
+
+    def evaluate(self, light, view):
+        aside = light[..., 0] * view[..., 1] - light[..., 1] * view[..., 0]
+        along = light[..., 0] * view[..., 0] + light[..., 1] * view[..., 1]
+        value = 0.2 + 0.1 * aside + 0.03 * along + 0.05 * light[..., 2]
+        return value[..., None] * np.array([1.0, 0.8, 0.5])
+
+
+def test_radiance_reads_an_isotropic_tree_as_gonio_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(tensor_tree, "_ISOTROPIC", 16)
+    path = tmp_path / "turning.xml"
+    format_named("tensortree").write(Source(Turning(), "turning"), path, None)
+    assert "TensorTree3" in path.read_text()
+    light, view = some_pairs()
+    told = by_radiance(path, light, view)
+    assert np.allclose(xyz_of(read_material(path).evaluate(light, view)), told, rtol=2e-3)
+    assert np.abs(told - xyz_of(Turning().evaluate(light, view))).max() < 0.03
+
+
 @pytest.mark.parametrize("name", ["klems", "tensortree"])
 def test_incident_and_outgoing_are_not_exchanged(name, tmp_path, monkeypatch):
     monkeypatch.setattr(tensor_tree, "_ANISOTROPIC", 16)
@@ -138,6 +159,12 @@ def test_a_matrix_is_imported_by_its_content(klems, tmp_path):
     assert np.array_equal(again, read_material(klems).evaluate(light, view))
 
 
+def test_a_matrix_may_be_called_by_the_name_of_a_tree(klems, tmp_path):
+    path = edited(klems, tmp_path, "<Name>brushed-metal", "<Name>TensorTree4")
+    ran = run(import_command, path, "-o", tmp_path / "metal.npz")
+    assert "Klems" in ran.output
+
+
 def test_the_other_side_runs_the_other_way(klems, tmp_path):
     path = edited(klems, tmp_path, "Reflection Back", "Reflection Front")
     light, view = some_pairs(20)
@@ -157,10 +184,25 @@ def test_radiance_reads_trees_as_gonio_does(name, tmp_path, monkeypatch):
     assert np.allclose(by_radiance(path, light, view), xyz, rtol=2e-3, atol=1e-3)
 
 
-BRACES = ["", "1", "{1} 2", "{1 2}", "{{1}{2}}", "{{1} 2}", "{nan}", "{x}", "{1", "{" * 99]
+BRACES = [
+    ("", "does not begin with a brace"),
+    ("1", "does not begin with a brace"),
+    ("{1} 2", "goes on after its last brace"),
+    ("{1 2}", "has a leaf of 2 values"),
+    ("{{1}{2}}", "has a node of 2 branches"),
+    ("{{1} 2}", "mixes values with branches"),
+    ("{1 {2}}", "has a node of 1 branches"),
+    ("{nan}", "holds values that are not finite"),
+    ("{x}", "could not convert"),
+    ("{1", "ends within a brace"),
+    ("{" * 99, "is deeper than 12"),
+    ("{" * 6 + "{1}" * 9, "mixes values with branches, or has too many"),
+    ("{" + 8 * ("{" + 8 * "{1}" + "}") + "}", "has more than 64 nodes"),
+]
 
 
-@pytest.mark.parametrize("text", BRACES)
-def test_braces_that_are_no_tree_are_refused(text):
-    with pytest.raises(ValueError, match=r"."):
+@pytest.mark.parametrize(("text", "problem"), BRACES)
+def test_braces_that_are_no_tree_are_refused(text, problem, monkeypatch):
+    monkeypatch.setattr(tree, "_MOST_NODES", 64)
+    with pytest.raises(ValueError, match=problem):
         tree.parse(text, 3)

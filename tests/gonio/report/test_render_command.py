@@ -4,6 +4,10 @@ from click.testing import CliRunner
 
 from gonio.cli.render import command
 from gonio.errors import BadInputError, GonioError
+from gonio.materials import MeasuredTable
+from gonio.report.figures import inline_svg, page_style
+from gonio.report.lobes import draw_lobes
+from nnbrdf.analytic import Lambert
 
 QUICK = ("--size", "16", "--lights", "16", "--shape", "sphere")
 
@@ -29,6 +33,21 @@ def test_a_table_against_itself_is_identical(measure, tmp_path):
     truth = measure().session.truth_path
     said = render(truth, "--truth", truth, "-o", tmp_path / "out")
     assert "truth (2): eps8 0.00, male 0.000; PSNR sphere identical" in said.replace("\n", " ")
+
+
+def test_each_of_like_names_has_its_picture(tmp_path):
+    files = [tmp_path / "matt$\\foo{$.npz", tmp_path / "matt_-foo{$.npz"]
+    for file in files:
+        MeasuredTable.of(np.full((81, 81, 3), 0.1)).save(file)
+    render(*files, "-o", tmp_path / "out")
+    pictures = {path.name for path in tmp_path.glob("out/*-sphere.exr")}
+    assert pictures == {"matt--foo---1-sphere.exr", "matt--foo---2-sphere.exr"}
+
+
+def test_dollars_in_a_name_are_no_formula():
+    with page_style():
+        svg = inline_svg(draw_lobes(0.0, {"a$\\foo{$": Lambert((0.1, 0.1, 0.1))}, 1.0), "a", "a")
+    assert "a$\\foo{$" in svg
 
 
 def test_a_material_alone_has_no_difference(tmp_path):
