@@ -14,7 +14,6 @@ import numpy as np
 
 from gonio.directions import TWO_PI, from_spherical, to_spherical
 from gonio.errors import BadFileError
-from gonio.exchange.blocks import evaluate_in_blocks
 from gonio.exchange.format import Format, Source
 from gonio.exchange.window_xml import (
     REMEDY,
@@ -23,8 +22,6 @@ from gonio.exchange.window_xml import (
     read_window,
     rgb_of,
     text_of,
-    write_window,
-    xyz_of,
 )
 
 if TYPE_CHECKING:
@@ -33,20 +30,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.protocols import Material, Progress
+    from gonio.protocols import Progress
 
     Array = NDArray[np.float64]
 
-_FULL = "LBNL/Klems Full"
+FULL: Final = "LBNL/Klems Full"
+"""The basis that is written."""
+
 BASES: Final = {
-    _FULL: ((0, 5, 15, 25, 35, 45, 55, 65, 75, 90), (1, 8, 16, 20, 24, 24, 24, 16, 12)),
+    FULL: ((0, 5, 15, 25, 35, 45, 55, 65, 75, 90), (1, 8, 16, 20, 24, 24, 24, 16, 12)),
     "LBNL/Klems Half": ((0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90), (1, 8, 12, 16, 20, 12, 4)),
     "LBNL/Klems Quarter": ((0, 9, 27, 46, 66, 90), (1, 8, 12, 12, 8)),
 }
 """Bounds of theta in degrees, and patches of each ring, the first around phi 0, by name."""
 
-_ACROSS, _ALONG = 2, 3
-_WAVELENGTHS = ("CIE-X", "Visible", "CIE-Z")
 # a node of the grid on a bound belongs to the ring outside it, whatever its last digit
 _ON_BOUND_DEG = 1e-9
 
@@ -89,45 +86,33 @@ def patch_of(basis: str, direction: Array) -> NDArray[np.int64]:
     return np.asarray(first + turn)
 
 
-def quadrature(basis: str) -> Array:
-    """Return directions within each patch, of equal weight by the cosine, shape (patches, 6, 3).
+def points_in(basis: str, patch: NDArray[np.int64], place: Array) -> Array:
+    """Return directions within patches, of equal weight by the cosine, shape (patches, points, 3).
 
-    Midpoints in sin^2 theta and phi, which halve and third each patch's projected solid angle.
+    Parameters
+    ----------
+    basis
+        Its name.
+    patch
+        Numbers of patches, shape (patches,).
+    place
+        Where in a patch, in sin^2 theta and phi, from 0 to 1, shape (points, 2).
     """
     bounds, counts = BASES[basis]
-    height = np.sin(np.radians(bounds)) ** 2
-    across = (np.arange(_ACROSS) + 0.5) / _ACROSS
-    along = (np.arange(_ALONG) + 0.5) / _ALONG - 0.5
-    patches = []
-    for low, high, count in zip(height, height[1:], counts, strict=False):
-        theta = np.arcsin(np.sqrt(low + (high - low) * across))
-        phi = (np.arange(count)[:, None] + along) * TWO_PI / count
-        points = from_spherical(theta[:, None], phi[:, None])
-        patches.append(points.reshape(count, -1, 3))
-    return np.concatenate(patches)
-
-
-def averages(material: Material, progress: Progress | None = None) -> Array:
-    """Return the mean BRDF of each pair of patches in 1/sr, shape (145, 145, 3), incident first.
-
-    The mean is by projected solid angle, of both patches.
-    """
-    outgoing = quadrature(_FULL)
-    incident = outgoing * [-1.0, -1.0, 1.0]
-    patches, points = outgoing.shape[:2]
-    shape = (patches, patches, points, points, 3)
-    light = np.broadcast_to(incident[:, None, :, None], shape).reshape(-1, 3)
-    view = np.broadcast_to(outgoing[None, :, None, :], shape).reshape(-1, 3)
-    values = evaluate_in_blocks(material, light, view, progress)
-    return np.asarray(values.reshape(shape).mean(axis=(2, 3)))
+    height, count = np.sin(np.radians(bounds)) ** 2, np.asarray(counts)
+    ring = np.repeat(np.arange(len(count)), count)[patch]
+    number = patch - (np.cumsum(count) - count)[ring]
+    low, high = height[ring][:, None], height[ring + 1][:, None]
+    theta = np.arcsin(np.sqrt(low + (high - low) * place[:, 0]))
+    turn = (number[:, None] + place[:, 1] - 0.5) / count[ring][:, None]
+    return from_spherical(theta, turn * TWO_PI)
 
 
 def write(source: Source, path: Path, progress: Progress | None) -> None:
     """Write luminance and, for Radiance, X and Z of the colours."""
-    xyz = xyz_of(averages(source.material, progress).clip(0.0))
-    data = {_WAVELENGTHS[i]: _rows(xyz[..., i].T) for i in (1, 0, 2)}
-    bases = f"<ColumnAngleBasis>{_FULL}</ColumnAngleBasis><RowAngleBasis>{_FULL}</RowAngleBasis>\n"
-    write_window(path, source.name, "Columns", _definition(), bases, data)
+    from gonio.exchange.klems_writing import write_matrix
+
+    write_matrix(source, path, progress)
 
 
 def read(path: Path) -> KlemsMatrix:
@@ -181,23 +166,6 @@ def _matrix(path: Path, file: WindowFile, name: str) -> Array | None:
     if file.structure.lower() == "rows":
         return values.reshape(incident, outgoing)
     return values.reshape(outgoing, incident).T
-
-
-def _rows(matrix: Array) -> str:
-    return "\n".join(", ".join(f"{value:.6g}" for value in row) for row in matrix)
-
-
-def _definition() -> str:
-    bounds, counts = BASES[_FULL]
-    rings = [
-        f"<AngleBasisBlock><Theta>{0 if low == 0 else (low + high) / 2:g}</Theta>"
-        f"<nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{low:g}</LowerTheta>"
-        f"<UpperTheta>{high:g}</UpperTheta></ThetaBounds></AngleBasisBlock>\n"
-        for low, high, count in zip(bounds, bounds[1:], counts, strict=False)
-    ]
-    return (
-        f"<AngleBasis>\n<AngleBasisName>{_FULL}</AngleBasisName>\n{''.join(rings)}</AngleBasis>\n"
-    )
 
 
 FORMAT = Format(

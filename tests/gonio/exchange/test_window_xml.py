@@ -13,10 +13,19 @@ from gonio.cli.export import command as export_command
 from gonio.cli.import_ import command as import_command
 from gonio.directions import from_spherical, to_degrees
 from gonio.errors import BadFileError
-from gonio.exchange import Source, format_named, read_material, tensor_tree, tree
-from gonio.exchange.klems import BASES, patch_of, quadrature
+from gonio.exchange import (
+    Source,
+    format_named,
+    klems_writing,
+    read_material,
+    tensor_tree,
+    tree,
+)
+from gonio.exchange.klems import BASES, patch_of, points_in
+from gonio.exchange.klems_writing import averages, few_points
 from gonio.exchange.window_xml import xyz_of
 from planner.candidates import candidates_named
+from sim.materials import EMBEDDED
 
 
 def run(command, *arguments):
@@ -26,9 +35,11 @@ def run(command, *arguments):
 
 @pytest.fixture(scope="module")
 def klems(tmp_path_factory):
-    """A file of brushed metal."""
+    """A file of brushed metal, its means over few points."""
     path = tmp_path_factory.mktemp("klems") / "metal.xml"
-    ran = run(export_command, "brushed-metal", "--to", "klems", "-o", path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(klems_writing, "_FINER", ((0.2, 3),))
+        ran = run(export_command, "brushed-metal", "--to", "klems", "-o", path)
     assert "eps8" in ran.output
     return path
 
@@ -118,8 +129,22 @@ def test_patches_are_those_that_a_plan_measures():
 
 @pytest.mark.parametrize("basis", BASES)
 def test_points_of_a_patch_lie_in_it(basis):
-    patch = patch_of(basis, quadrature(basis))
-    assert (patch == np.arange(len(patch))[:, None]).all()
+    numbers = np.arange(sum(BASES[basis][1]))
+    patch = patch_of(basis, points_in(basis, numbers, few_points()))
+    assert (patch == numbers[:, None]).all()
+
+
+def test_means_over_patches_are_those_of_highlights_too():
+    basis, material = "LBNL/Klems Quarter", EMBEDDED["glossy-plastic"].material
+    told = averages(material, basis)
+    rng = np.random.default_rng(2)
+    # a patch of the light is named by where that goes to, which is where a mirror sends it
+    for patch in (0, 3, 24):
+        light, view = points_in(basis, np.array([patch]), rng.random((100_000, 2)))[0].reshape(
+            2, -1, 3
+        )
+        true = material.evaluate(light * [-1.0, -1.0, 1.0], view).mean(axis=0)
+        np.testing.assert_allclose(told[patch, patch], true, rtol=0.03)
 
 
 def edited(path, tmp_path, old, new):
