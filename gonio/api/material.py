@@ -129,7 +129,8 @@ class Material:
         to
             The format's name.
         path
-            The file; by default here, by the material's name.
+            The file, replaced if it is there; by default here, by the material's name, where no
+            such file is yet.
         isotropic
             Whether to write the mean over all turns.
         progress
@@ -139,13 +140,19 @@ class Material:
         -------
         gonio.exchange.Exported
             How near the file, read back, is to the material.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When the format cannot hold it, or the file may not be replaced.
+        gonio.errors.StorageError
+            When the file cannot be written.
         """
         from gonio.exchange import export, format_named
 
         format_ = format_named(to.lower())
         source = self.source.averaged() if isotropic else self.source
-        target = Path(f"{source.name}{format_.suffix}" if path is None else path)
-        return export(source, format_, target, progress)
+        return export(source, format_, None if path is None else Path(path), progress)
 
     def render(
         self,

@@ -11,7 +11,7 @@ import numpy as np
 
 from gonio.directions import paper_directions
 from gonio.errors import BadFileError
-from gonio.exchange.format import Format, Source
+from gonio.exchange.format import Format, Source, WithoutSigma
 from gonio.exchange.limits import LARGEST_FILE, read_whole
 from gonio.exchange.registry import FORMATS, TABLE, format_named, format_of_file
 from gonio.files import write_with
@@ -53,6 +53,11 @@ def read_material(path: Path) -> Material:
         When the file is missing, broken, or of no format that gonio reads.
     """
     return _read(path, format_of_file(path))
+
+
+def sigma_lost(material: Material) -> str:
+    """Say why the sigma of a file that was read is not known; empty where it states none."""
+    return "tables keep values alone" if isinstance(material, WithoutSigma) else ""
 
 
 def import_file(path: Path, output: Path, name: str | None = None) -> Imported:
