@@ -192,8 +192,8 @@ REFUSED = {
         "hours is inf; give a number from 0",
     ),
     "a seed below none": (lambda: api.Plan.make(seed=-1), "seed is -1; give a whole number from 0"),
-    "too many for both": (lambda: api.Plan.make(82), "--density 82 is no density; use all"),
-    "too many lights": (lambda: api.Plan.make(lights=82), "--lights 82 is no density; use all"),
+    "too many for both": (lambda: api.Plan.make(82), "--density '82' is no density; use all"),
+    "too many lights": (lambda: api.Plan.make(lights=82), "--lights '82' is no density; use all"),
     "pictures of two pixels": (
         lambda: api.Material.load("satin").render(size_px=2),
         "size_px is 2; give a whole number from 16 to 2048",
