@@ -56,8 +56,8 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm, option
         count = 0
     if not 1 <= count <= candidates:
         raise BadInputError(
-            f"--{option} {density!r} is no density; use all, sixth, a number from 1 to {candidates}, "
-            f"or for views and lights together {', '.join(PAPER_SUBSETS)}"
+            f"--{option} {density!r} is no density; use all, sixth, a number from 1 to "
+            f"{candidates}, or for views and lights together {', '.join(PAPER_SUBSETS)}"
         )
     if count > reachable:
         raise BadInputError(
