@@ -94,13 +94,14 @@ def import_file(path: Path, output: Path | None = None, name: str | None = None)
     gonio.errors.StorageError
         When the output cannot be written.
     """
-    target = target_of(output, f"{path.stem}.npz", path)
-    if target.suffix.lower() != ".npz":
-        raise BadInputError(f"{target}: a table's name ends in .npz; name it so with -o")
+    if output is not None and output.suffix.lower() != ".npz":
+        raise BadInputError(f"{output}: a table's name ends in .npz; name it so with -o")
     format_ = format_of_file(path) if name is None else _imported_as(name)
     material = _read(path, format_)
     if format_.name == TABLE:
         raise BadFileError(path, "is a table already", "use it as it is: --material")
+    # what is wrong with the file is told before what is wrong with the table's name
+    target = target_of(output, f"{path.stem}.npz", path)
     imported = Imported(Source(material, path.stem), format_, target)
     if not (np.isfinite(imported.source.values).all() and imported.source.values.max() > 0):
         raise BadFileError(path, "is black at all 81 x 81 pairs", "give a material that reflects")
