@@ -29,7 +29,7 @@ def split_density(density: Density) -> tuple[Density, Density]:
     return density, density
 
 
-def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int:
+def count_of(density: Density, candidates: int, reachable: int, arm: Arm, option: str) -> int:
     """Return how many directions a density means.
 
     Parameters
@@ -40,6 +40,8 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int
         How many directions there are, and how many of them the rig can take.
     arm
         Which arm they are for, for the message.
+    option
+        What said so, for the message: density, lights or views.
 
     Raises
     ------
@@ -54,8 +56,8 @@ def count_of(density: Density, candidates: int, reachable: int, arm: Arm) -> int
         count = 0
     if not 1 <= count <= candidates:
         raise BadInputError(
-            f"{arm}s: {density!r} is no density; use all, sixth, a number from 1 to {candidates}, "
-            f"or for views and lights together {', '.join(PAPER_SUBSETS)}"
+            f"--{option} {density!r} is no density; use all, sixth, a number from 1 to "
+            f"{candidates}, or for views and lights together {', '.join(PAPER_SUBSETS)}"
         )
     if count > reachable:
         raise BadInputError(

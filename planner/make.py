@@ -112,11 +112,7 @@ def make_plan(
     elif shots is not None:
         choice = judge.pairs(field, _checked_shots(shots, int(field.allowed.sum())))
     else:
-        choice = judge.product(
-            field,
-            count_of(lights, len(light_set), int(field.allowed.any(axis=1).sum()), "light"),
-            count_of(views, len(view_set), int(field.allowed.any(axis=0).sum()), "view"),
-        )
+        choice = judge.product(field, *_counts(lights, views, field))
     measured = choice.measured & field.allowed
     if not measured.any():
         raise BadInputError(
@@ -157,6 +153,17 @@ def _frames_left_out(shots: tuple[Shot, ...], rig: Rig, timing: Timing) -> tuple
     seconds = [estimate(each, rig, timing).total_s for each in (whole, shots)]
     spared_min = (seconds[0] - seconds[1]) / 60
     return (LeftOut(reason=FEWER_FRAMES, shots=0, spared_shots=0, spared_min=spared_min),)
+
+
+def _counts(lights: Density, views: Density, field: Field) -> tuple[int, int]:
+    """Return how many lights and how many views to choose."""
+    # what was said of both at once is refused as that
+    said = ("density", "density") if lights == views else ("lights", "views")
+    reachable = [int(field.allowed.any(axis=axis).sum()) for axis in (1, 0)]
+    return (
+        count_of(lights, len(field.lights), reachable[0], "light", said[0]),
+        count_of(views, len(field.views), reachable[1], "view", said[1]),
+    )
 
 
 def _set_names(lights: Candidates, views: Candidates) -> str:

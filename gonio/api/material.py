@@ -10,7 +10,7 @@ from gonio.errors import BadInputError
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from gonio.api.opened import Opened
     from gonio.api.rendered import Rendered
@@ -91,28 +91,37 @@ class Material:
             return None
         return Material(Source(true.material, true.name, stated_white=true.table.white), true)
 
-    def evaluate(self, light: Array, view: Array) -> Array:
+    def evaluate(self, light: ArrayLike, view: ArrayLike) -> Array:
         """Return the BRDF in 1/sr, shape (..., 3).
 
         Parameters
         ----------
         light, view
-            Unit vectors away from the sample, shapes (..., 3), broadcast against each other; of
-            degrees `gonio.directions.from_degrees` makes them.
-        """
-        return self.source.material.evaluate(light, view)
+            Unit vectors (to 1e-6) away from the sample, z >= 0, shapes (..., 3), broadcast against
+            each other; of degrees `gonio.directions.from_degrees` makes them.
 
-    def sigma(self, light: Array, view: Array) -> Array:
+        Raises
+        ------
+        gonio.errors.BadInputError
+            For what are no such directions.
+        """
+        from gonio.api.pairs import checked_pairs
+
+        return self.source.material.evaluate(*checked_pairs(light, view))
+
+    def sigma(self, light: ArrayLike, view: ArrayLike) -> Array:
         """Return one standard uncertainty in 1/sr, shaped as `evaluate`.
 
         Raises
         ------
         gonio.errors.BadInputError
-            When nothing is known of it, as of a table.
+            When nothing is known of it, as of a table, or for directions that `evaluate` refuses.
         """
+        from gonio.api.pairs import checked_pairs
+
         if self.source.uncertain is None:
             raise BadInputError(f"{self.name}: is no model, so its sigma is not known")
-        return self.source.uncertain.sigma(light, view)
+        return self.source.uncertain.sigma(*checked_pairs(light, view))
 
     def export(
         self,
@@ -129,7 +138,8 @@ class Material:
         to
             The format's name.
         path
-            The file; by default here, by the material's name.
+            The file, replaced if it is there; by default here, by the material's name, where no
+            such file is yet.
         isotropic
             Whether to write the mean over all turns.
         progress
@@ -139,13 +149,19 @@ class Material:
         -------
         gonio.exchange.Exported
             How near the file, read back, is to the material.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When the format cannot hold it, or the file may not be replaced.
+        gonio.errors.StorageError
+            When the file cannot be written.
         """
         from gonio.exchange import export, format_named
 
         format_ = format_named(to.lower())
         source = self.source.averaged() if isotropic else self.source
-        target = Path(f"{source.name}{format_.suffix}" if path is None else path)
-        return export(source, format_, target, progress)
+        return export(source, format_, None if path is None else Path(path), progress)
 
     def render(
         self,
@@ -165,20 +181,35 @@ class Material:
         probe
             studio, sky or furnace.
         size_px
-            Side of the picture.
+            Side of the picture, from 16 to 2048.
         lights
-            Directions that stand for the probe: more for glossy materials.
+            Directions that stand for the probe, from 16 to 8192: more for glossy materials.
         stops
-            Brighter by so many doublings; 0 makes the mean 18 %.
+            Brighter by so many doublings, from -10 to 10; 0 makes the mean 18 %.
         """
         from gonio.api.rendered import render_alone
 
         return render_alone(self.opened, shape, probe, size_px, lights, stops)
 
-    def compare(self, reference: Material) -> Versus:
-        """Hold it against a reference at the 81 x 81 pairs, as `gonio compare` does."""
+    def compare(self, reference: Material | Path | str) -> Versus:
+        """Hold it against a reference at the 81 x 81 pairs, as `gonio compare` does.
+
+        Parameters
+        ----------
+        reference
+            A material, or what `Material.load` opens.
+
+        Raises
+        ------
+        gonio.errors.BadInputError
+            When it is neither, or cannot be opened.
+        """
         from gonio.report.versus import Versus
 
+        if isinstance(reference, Path | str):
+            reference = Material.load(reference)
+        if not isinstance(reference, Material):
+            raise BadInputError(f"{reference!r} is no material; give one, its name or its path")
         return Versus.of(self.name, self.table, reference.table)
 
     def __repr__(self) -> str:

@@ -96,8 +96,14 @@ class Plan(core.Plan):
         gonio.errors.BadInputError
             For what does not go together, or asks for what cannot be had.
         """
+        from gonio.api.numbers import check_real, check_whole
         from gonio.api.planning import PlanRequest
 
+        check_whole("shots", shots)
+        check_whole("anchors", anchors, 2)
+        check_whole("seed", seed, 0)
+        check_real("hours", hours, 0, 10_000)
+        check_real("max_theta_deg", max_theta_deg, 0, 90)
         request = PlanRequest(
             density=_words(density), views=_words(views), lights=_words(lights), shots=shots,
             hours=hours, criterion=criterion.lower(), weight=weight.lower(),

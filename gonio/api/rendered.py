@@ -53,6 +53,10 @@ class Rendered:
 
         write_bytes(Path(path), self._repr_png_())
 
+    def __repr__(self) -> str:
+        height, width = self.picture.cover.shape
+        return f"<Rendered {width} x {height} px, times {self.factor:.3g}>"
+
     def _repr_png_(self) -> bytes:
         from matplotlib.image import imsave
 
@@ -69,9 +73,10 @@ def render_alone(
     Raises
     ------
     gonio.errors.BadInputError
-        For an unknown shape or probe, or too few lights or pixels.
+        For an unknown shape or probe, or numbers that `gonio render` refuses.
     """
     from gonio.api.following import unseen
+    from gonio.api.numbers import LIGHTS, SIZE_PX, STOPS, check_real, check_whole
     from gonio.api.rendering import Scene
     from gonio.errors import BadInputError
     from gonio.render import PROBES, SHAPES
@@ -80,8 +85,9 @@ def render_alone(
     for name, known in ((shape, SHAPES), (probe, PROBES)):
         if name not in known:
             raise BadInputError(f"{name!r} is not known; use {', '.join(known)}")
-    if size_px < 1 or lights < 4:
-        raise BadInputError(f"{size_px} px and {lights} lights are too few; use 16 or more")
+    check_whole("size_px", size_px, *SIZE_PX)
+    check_whole("lights", lights, *LIGHTS)
+    check_real("stops", stops, *STOPS)
     scene = Scene.of((shape,), probe, size_px, lights)
     (picture,) = scene.pictures({opened.name: opened.material}, shape, unseen).values()
     return Rendered(picture, exposure([picture], stops))

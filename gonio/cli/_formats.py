@@ -25,14 +25,13 @@ class ListingFormats(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list."""
+        from gonio.exchange.importing import imported_formats
         from gonio.exchange.registry import formats
 
-        known = [each for each in formats() if self._does(each)]
+        written = [each for each in formats() if each.write is not None]
+        known = written if self._writing else imported_formats()
         with formatter.section("Formats"):
             formatter.write_dl([(each.name, _said(each)) for each in known])
-
-    def _does(self, format_: Format) -> bool:
-        return (format_.write if self._writing else format_.read) is not None
 
 
 def _said(format_: Format) -> str:

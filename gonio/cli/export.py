@@ -11,7 +11,8 @@ from gonio.cli._formats import ListingFormats
 from gonio.cli._json import answer, answers
 
 if TYPE_CHECKING:
-    from gonio.exchange import Exported, Format, Source
+    from gonio.exchange import Exported
+    from gonio.exchange.exporting import Errors
 
 
 @click.command(name="export", cls=ListingFormats, writing=True)
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="The file.  [default: here, by the material's name]",
+    help="The file; if it is there, it is replaced.  [default: here, by the material's name; "
+    "what is there already is kept]",
 )
 @click.option(
     "--isotropic",
@@ -36,8 +38,9 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
     """Write a material in the format of another program.
 
     SESSION is a session's folder with a model (gonio reconstruct), MODEL a model's folder, TABLE a
-    table or any file that gonio import reads; a name from gonio materials works as well. The
-    file is read back, and its error at the 81 x 81 pairs is told with what the format loses.
+    table or any file that gonio import reads; a name from gonio materials works as well. Of
+    formats that gonio reads the file is read back, and its error at the 81 x 81 pairs is told; the
+    networks (onnx, glsl, c, mitsuba) are not read back. Told, too, is what the format loses.
 
     \b
     Examples:
@@ -55,51 +58,49 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
     source = source_named(what)
     if isotropic:
         source = source.averaged()
-    path = output or _default(what, source, format_)
     with progress_bar(f"writing {format_.name}") as progress:
-        exported = export(source, format_, path, progress)
-    console.print(_said(exported, path))
-    answer(_document(exported, path))
+        exported = export(source, format_, output, progress)
+    console.print(_said(exported))
+    answer(_document(exported))
 
 
-def _default(what: str, source: Source, format_: Format) -> Path:
-    from gonio.errors import BadInputError
-    from gonio.exchange.networks.portable import symbol_of
-
-    # a module's name is an identifier, or nobody can import it
-    name = symbol_of(source.name) if format_.suffix == ".py" else source.name
-    path = Path(f"{name}{format_.suffix}")
-    if path.exists() and Path(what).exists() and path.samefile(what):
-        raise BadInputError(f"{path}: is what is to be exported; name the new file with -o")
-    return path
-
-
-def _document(exported: Exported, path: Path) -> dict[str, object]:
+def _document(exported: Exported) -> dict[str, object]:
     format_ = exported.format
     return {
-        "file": path,
-        "file_bytes": path.stat().st_size,
+        "file": exported.path,
+        "file_bytes": exported.path.stat().st_size,
         "format": format_.name,
         "keeps": format_.keeps,
         "loses": format_.loses,
         "notes": exported.notes,
         "eps8": exported.eps8,
         "male": exported.male,
+        "of_mean": exported.of_mean and exported.of_mean._asdict(),
     }
 
 
-def _said(exported: Exported, path: Path) -> str:
+def _said(exported: Exported) -> str:
     from gonio.words import size
 
-    format_ = exported.format
+    path, format_ = exported.path, exported.format
     lines = [
         f"wrote {path} ({size(path.stat().st_size)}): {format_.title}",
         f"keeps {format_.keeps}",
         f"loses {format_.loses}",
         *(f"note: {note}" for note in exported.notes),
+        _error_said(exported),
     ]
-    if exported.eps8 is not None:
-        lines.append(
-            f"read back at the 81 x 81 pairs: eps8 {exported.eps8:.3g}, male {exported.male:.3g}"
-        )
     return "\n".join(lines)
+
+
+def _error_said(exported: Exported) -> str:
+    if exported.errors is None:
+        return f"not read back: gonio does not read {exported.format.name}"
+    told = f"read back at the 81 x 81 pairs: {_both(exported.errors)}"
+    if exported.of_mean is None:
+        return told
+    return f"{told} against the material, {_both(exported.of_mean)} against its mean over turns"
+
+
+def _both(errors: Errors) -> str:
+    return f"eps8 {errors.eps8:.3g}, male {errors.male:.3g}"

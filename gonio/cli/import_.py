@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from gonio.cli._formats import ListingFormats
 from gonio.cli._json import answer, answers
+
+if TYPE_CHECKING:
+    from gonio.exchange.importing import Imported
 
 
 @click.command(name="import", cls=ListingFormats, writing=False)
@@ -23,7 +27,8 @@ from gonio.cli._json import answer, answers
     "-o",
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="The table.  [default: here, by the file's name]",
+    help="The table, a name in .npz; if it is there, it is replaced.  [default: here, by the "
+    "file's name; what is there already is kept]",
 )
 @answers
 def command(*, file: Path, name: str | None, output: Path | None) -> None:
@@ -39,24 +44,34 @@ def command(*, file: Path, name: str | None, output: Path | None) -> None:
         gonio capture --sim --material leather.npz
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.cli._console import console
-    from gonio.errors import BadInputError
     from gonio.exchange import import_file
 
-    path = output or Path(f"{file.stem}.npz")
-    if path.exists() and file.exists() and path.samefile(file):
-        raise BadInputError(f"{path}: is the file to be imported; name the table with -o")
-    imported = import_file(file, path, name)
-    console.print(
-        f"read {file}: {imported.format.title}\n"
-        f"wrote {path}: white {imported.table.white:.4g} 1/sr, changes by "
-        f"{imported.source.anisotropy:.0%} when turned\n"
-        f"measure it: gonio capture --sim --material {path}"
-    )
-    answer(
-        {
-            "file": path,
-            "format": imported.format.name,
-            "white_per_sr": imported.table.white,
-            "anisotropy": imported.source.anisotropy,
-        }
-    )
+    imported = import_file(file, output, name)
+    console.print(_said(file, imported))
+    answer(_document(imported))
+
+
+def _said(file: Path, imported: Imported) -> str:
+    format_ = imported.format
+    lines = [
+        f"read {file}: {format_.title}",
+        f"keeps {format_.keeps}",
+        f"loses {format_.loses}",
+        *(f"note: {note}" for note in imported.notes),
+        f"wrote {imported.path}: white {imported.table.white:.4g} 1/sr, changes by "
+        f"{imported.source.anisotropy:.0%} when turned",
+        f"measure it: gonio capture --sim --material {imported.path}",
+    ]
+    return "\n".join(lines)
+
+
+def _document(imported: Imported) -> dict[str, object]:
+    return {
+        "file": imported.path,
+        "format": imported.format.name,
+        "keeps": imported.format.keeps,
+        "loses": imported.format.loses,
+        "notes": imported.notes,
+        "white_per_sr": imported.table.white,
+        "anisotropy": imported.source.anisotropy,
+    }

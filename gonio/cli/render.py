@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gonio.api.numbers import LIGHTS, SIZE_PX, STOPS
 from gonio.cli._json import answer, answers
 from gonio.cli._numbers import FiniteRange
 
@@ -70,21 +71,21 @@ SHEET_NAME = "render.png"
 )
 @click.option(
     "--size",
-    type=click.IntRange(16, 2048),
+    type=click.IntRange(*SIZE_PX),
     default=256,
     show_default=True,
     help="Side of each picture in pixels.",
 )
 @click.option(
     "--lights",
-    type=click.IntRange(16, 8192),
+    type=click.IntRange(*LIGHTS),
     default=192,
     show_default=True,
     help="Directions that stand for the probe: more for glossy materials.",
 )
 @click.option(
     "--stops",
-    type=FiniteRange(-10, 10),
+    type=FiniteRange(*STOPS),
     default=0.0,
     help="Brighter by so many doublings; 0 makes the mean of the first 18 %.",
 )

@@ -10,6 +10,7 @@ import numpy as np
 
 from gonio.directions import paper_directions
 from gonio.exchange.isotropy import Averaged, anisotropy_of_grid
+from gonio.materials import MeasuredTable
 from gonio.samples import SMALLEST_WHITE, WHITE_PER_MEDIAN
 
 if TYPE_CHECKING:
@@ -92,6 +93,12 @@ class Source:
         What knows its sigma; None where nothing does.
     model
         Folder of the model that it is; None where it is none.
+    file
+        The file that it was read from; None where it was none.
+    sigma_lost
+        Why its sigma is not known here although there was one; empty otherwise.
+    mean_of
+        What it is the mean of over all turns; None where it is none.
     """
 
     material: Material
@@ -100,6 +107,9 @@ class Source:
     stated_white: float | None = None
     uncertain: Knows | None = None
     model: Path | None = None
+    file: Path | None = None
+    sigma_lost: str = ""
+    mean_of: Source | None = None
 
     @cached_property
     def values(self) -> NDArray[np.float64]:
@@ -121,5 +131,12 @@ class Source:
 
     def averaged(self) -> Source:
         """Return the isotropic mean over all turns of the sample; of a mean there is no sigma."""
-        mean = Averaged(self.material)
-        return replace(self, material=mean, stated_white=self.white, uncertain=None, model=None)
+        lost = self.sigma_lost if self.uncertain is None else "of a mean over turns it is not known"
+        return replace(
+            self, material=Averaged(self.material), stated_white=self.white, uncertain=None,
+            model=None, sigma_lost=lost, mean_of=self,
+        )  # fmt: skip
+
+
+class WithoutSigma(MeasuredTable):
+    """A table whose file states sigma, which tables do not keep."""

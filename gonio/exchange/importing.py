@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.directions import paper_directions
-from gonio.errors import BadFileError
-from gonio.exchange.format import Format, Source
+from gonio.errors import BadFileError, BadInputError
+from gonio.exchange.format import Format, Source, WithoutSigma
 from gonio.exchange.limits import LARGEST_FILE, read_whole
-from gonio.exchange.registry import FORMATS, TABLE, format_named, format_of_file
+from gonio.exchange.registry import FORMATS, TABLE, format_named, format_of_file, formats
+from gonio.exchange.target import target_of
 from gonio.files import write_with
 from gonio.materials import MeasuredTable, check_unpacked
 
@@ -33,10 +34,19 @@ class Imported:
         The material as that file holds it, on its own grid.
     format
         Of the file.
+    path
+        The table's file.
     """
 
     source: Source
     format: Format
+    path: Path
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the table loses of this file, a line each."""
+        lost = sigma_lost(self.source.material)
+        return (f"its sigma is not in the table: {lost}",) if lost else ()
 
     @property
     def table(self) -> MeasuredTable:
@@ -55,7 +65,12 @@ def read_material(path: Path) -> Material:
     return _read(path, format_of_file(path))
 
 
-def import_file(path: Path, output: Path, name: str | None = None) -> Imported:
+def sigma_lost(material: Material) -> str:
+    """Say why the sigma of a file that was read is not known; empty where it states none."""
+    return "tables keep values alone" if isinstance(material, WithoutSigma) else ""
+
+
+def import_file(path: Path, output: Path | None = None, name: str | None = None) -> Imported:
     """Write a file of another program as npz: a table of the 81 x 81 pairs, and the file itself.
 
     Whatever reads tables reads the one; `read_material` goes on with the other, so that no finer
@@ -66,25 +81,44 @@ def import_file(path: Path, output: Path, name: str | None = None) -> Imported:
     path
         The file.
     output
-        The npz file.
+        The npz file; None: here, by the file's name, where there is none yet.
     name
         Of its format; by default its content tells.
 
     Raises
     ------
+    gonio.errors.BadInputError
+        For a name that is of no format that is imported, or an output that may not be written.
     gonio.errors.BadFileError
         When the file is missing, broken, of no format that gonio reads, or black throughout.
     gonio.errors.StorageError
         When the output cannot be written.
     """
-    format_ = format_of_file(path) if name is None else format_named(name)
+    if output is not None and output.suffix.lower() != ".npz":
+        raise BadInputError(f"{output}: a table's name ends in .npz; name it so with -o")
+    format_ = format_of_file(path) if name is None else _imported_as(name)
+    material = _read(path, format_)
     if format_.name == TABLE:
         raise BadFileError(path, "is a table already", "use it as it is: --material")
-    imported = Imported(Source(_read(path, format_), path.stem), format_)
+    # what is wrong with the file is told before what is wrong with the table's name
+    target = target_of(output, f"{path.stem}.npz", path)
+    imported = Imported(Source(material, path.stem), format_, target)
     if not (np.isfinite(imported.source.values).all() and imported.source.values.max() > 0):
         raise BadFileError(path, "is black at all 81 x 81 pairs", "give a material that reflects")
-    _save(imported, path, output)
+    _save(imported, path)
     return imported
+
+
+def imported_formats() -> list[Format]:
+    """Return the formats that other programs write and gonio reads."""
+    return [each for each in formats() if each.read is not None and each.name != TABLE]
+
+
+def _imported_as(name: str) -> Format:
+    known = {each.name: each for each in imported_formats()}
+    if name not in known:
+        raise BadInputError(f"--from {name}: no format that is imported; use {', '.join(known)}")
+    return known[name]
 
 
 def read_npz(path: Path) -> Material:
@@ -131,7 +165,7 @@ def _held(path: Path) -> tuple[str, bytes] | None:
     return name, content.tobytes()
 
 
-def _save(imported: Imported, path: Path, output: Path) -> None:
+def _save(imported: Imported, path: Path) -> None:
     table = imported.table
     arrays = {"values": table.values, "directions": paper_directions(), "white": table.white}
     if not isinstance(imported.source.material, MeasuredTable):
@@ -142,4 +176,4 @@ def _save(imported: Imported, path: Path, output: Path) -> None:
         with aside.open("wb") as file:
             np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
-    write_with(output, write)
+    write_with(imported.path, write)

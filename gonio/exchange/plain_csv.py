@@ -10,7 +10,7 @@ import numpy as np
 
 from gonio.directions import paper_angles_deg, paper_directions
 from gonio.errors import BadFileError
-from gonio.exchange.format import Format, Source
+from gonio.exchange.format import Format, Source, WithoutSigma
 from gonio.exchange.limits import head_of
 from gonio.files import write_bytes
 from gonio.materials import MeasuredTable
@@ -67,7 +67,8 @@ def read(path: Path) -> MeasuredTable:
         raise BadFileError(path, problem, _REMEDY)
     values = np.empty((81, 81, 3))
     values[light, view] = _rgb(samples)
-    return MeasuredTable.of(values.clip(0.0))
+    kind = WithoutSigma if np.isfinite(samples.sigma).any() else MeasuredTable
+    return kind.of(values.clip(0.0))
 
 
 def _angles() -> list[NDArray[np.float64]]:
@@ -101,7 +102,7 @@ FORMAT = Format(
     name="csv",
     suffix=".csv",
     title="a line a pair of directions, as spreadsheets and gonio reconstruct read it",
-    keeps="every pair of the grid to nine digits, anisotropy, linear RGB, sigma",
+    keeps="every pair of the grid to nine digits, anisotropy, linear RGB, sigma where it is known",
     loses="what lies between the nodes and beyond 75 deg",
     write=write,
     read=read,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from gonio.errors import BadFileError
 from gonio.exchange.format import Source
-from gonio.exchange.importing import read_material
+from gonio.exchange.importing import read_material, sigma_lost
 from gonio.materials import MeasuredTable
 from gonio.session import Session
 
@@ -27,7 +27,9 @@ def source_of(path: Path) -> Source:
     if not path.is_dir():
         material = read_material(path)
         white = material.white if isinstance(material, MeasuredTable) else None
-        return Source(material, path.stem, stated_white=white)
+        return Source(
+            material, path.stem, stated_white=white, file=path, sigma_lost=sigma_lost(material)
+        )
     if (path / _MODEL).is_file():
         return _of_model(path, path.resolve().name)
     return source_of_session(Session.open(path))

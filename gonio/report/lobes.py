@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 _INCIDENCES_DEG = (0.0, 30.0, 60.0)
 _VIEWS_DEG = np.linspace(-75.0, 75.0, 151)
 _FLOOR = 1e-3
+# axes of more decades overflow in matplotlib
+_CEILING = 1e12
 
 
 def draw_lobes(azimuth_deg: float, materials: Mapping[str, Material], white: float) -> Figure:
@@ -31,7 +33,7 @@ def draw_lobes(azimuth_deg: float, materials: Mapping[str, Material], white: flo
     materials
         By name; the first is dashed.
     white
-        In 1/sr; lines are kept above a thousandth of it.
+        In 1/sr; lines are kept from a thousandth of it to 1e12 times it.
     """
     figure = new_figure(9.2, 3.0)
     axes = figure.subplots(1, len(_INCIDENCES_DEG), sharey=True)
@@ -40,7 +42,8 @@ def draw_lobes(azimuth_deg: float, materials: Mapping[str, Material], white: flo
     for axis, theta_deg in zip(axes, _INCIDENCES_DEG, strict=True):
         light = from_spherical(np.radians(-theta_deg), azimuth)
         for number, (name, material) in enumerate(materials.items()):
-            mean = material.evaluate(light, view).mean(axis=-1).clip(min=_FLOOR * white)
+            mean = material.evaluate(light, view).mean(axis=-1)
+            mean = mean.clip(_FLOOR * white, _CEILING * white)
             color, _ = SERIES[number % len(SERIES)]
             style = (0, (3, 1.5)) if number == 0 else "-"
             axis.plot(

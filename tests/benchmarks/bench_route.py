@@ -28,7 +28,7 @@ def shots_of(density):
     """Return the angles of a product subset in raster order, shape (n, 4): view inside light."""
     directions = paper_candidates()
     field = Field(directions, directions, np.ones((81, 81), dtype=bool))
-    views, lights = (count_of(each, 81, 81, "view") for each in split_density(density))
+    views, lights = (count_of(each, 81, 81, "view", "density") for each in split_density(density))
     light, view = np.nonzero(criterion_named("farthest").product(field, lights, views).measured)
     theta, phi = directions.theta_deg, directions.phi_deg
     return np.stack([theta[view], phi[view], theta[light], phi[light]], axis=1)

@@ -151,6 +151,13 @@ def test_arguments_are_named_as_options_and_have_their_defaults(name):
         assert (default or None) == (known or None), argument
 
 
+_UP = [0.0, 0.0, 1.0]
+
+
+def evaluated(light, view):
+    return api.Material.load("satin").evaluate(light, view)
+
+
 REFUSED = {
     "a plan told twice how much": (lambda: api.Plan.make("all", hours=1), "--hours says how many"),
     "options of the twin without it": (lambda: api.Session.capture(seed=1), "add that, or leave"),
@@ -168,6 +175,60 @@ REFUSED = {
         lambda: api.Material.load("satin").sigma(None, None),
         "satin: is no model, so its sigma is not known",
     ),
+    "shots that are no number": (
+        lambda: api.Plan.make(shots="abc"),
+        "shots is 'abc'; give a whole",
+    ),
+    "shots that are a part": (
+        lambda: api.Plan.make(shots=2.5),
+        "shots is 2.5; give a whole number",
+    ),
+    "hours that are no number": (
+        lambda: api.Plan.make(hours="two"),
+        "hours is 'two'; give a number",
+    ),
+    "hours without end": (
+        lambda: api.Plan.make(hours=np.inf),
+        "hours is inf; give a number from 0",
+    ),
+    "a seed below none": (lambda: api.Plan.make(seed=-1), "seed is -1; give a whole number from 0"),
+    "too many for both": (lambda: api.Plan.make(82), "--density '82' is no density; use all"),
+    "too many lights": (lambda: api.Plan.make(lights=82), "--lights '82' is no density; use all"),
+    "pictures of two pixels": (
+        lambda: api.Material.load("satin").render(size_px=2),
+        "size_px is 2; give a whole number from 16 to 2048",
+    ),
+    "three lights": (
+        lambda: api.Material.load("satin").render(lights=3),
+        "lights is 3; give a whole number from 16 to 8192",
+    ),
+    "too bright": (
+        lambda: api.Material.load("satin").render(stops=11),
+        "stops is 11; give a number",
+    ),
+    "nothing to compare with": (
+        lambda: api.Material.load("satin").compare(None),
+        "None is no material; give one, its name or its path",
+    ),
+    "a name to compare with": (
+        lambda: api.Material.load("satin").compare("nylon"),
+        "nylon: no such file, folder or material",
+    ),
+    "a light that is long": (
+        lambda: evaluated([0, 0, 2], _UP),
+        "light holds what is no unit vector",
+    ),
+    "a light of nothing": (
+        lambda: evaluated([np.nan] * 3, _UP),
+        "light holds what is no unit vector",
+    ),
+    "a light behind": (
+        lambda: evaluated([0, 0, -1], _UP),
+        "light holds directions below the sample",
+    ),
+    "a view of two": (lambda: evaluated(_UP, [0, 1]), "view is of shape (2,), not (..., 3)"),
+    "a view of words": (lambda: evaluated(_UP, "up"), "view is no array of numbers"),
+    "what does not fit": (lambda: evaluated([_UP] * 2, [_UP] * 3), "do not fit together"),
     "a shape that is none": (lambda: api.Material.load("satin").render("cube"), "use sphere, "),
 }
 
@@ -178,3 +239,10 @@ def test_what_cannot_be_done_is_refused_in_words(tmp_path, monkeypatch, ask, say
     with pytest.raises(BadInputError, match=re.escape(says)):
         ask()
     assert not list(tmp_path.iterdir())
+
+
+def test_a_material_is_asked_by_lists():
+    satin = api.Material.load("satin")
+    assert evaluated(_UP, [_UP] * 2).shape == (2, 3)
+    assert evaluated(from_degrees(90.0, 10.0), _UP).shape == (3,)
+    assert repr(satin.render(size_px=16, lights=16)).startswith("<Rendered 16 x 16 px, times ")

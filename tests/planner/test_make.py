@@ -57,13 +57,14 @@ def test_densities(density, views, lights):
 
 BAD = [
     # views, lights, what the line says
-    ("82", "sixth", "views: '82'"),
-    ("sixth", 0, "lights: 0"),
-    (-1, "sixth", "views: -1"),
-    ("", "sixth", "views: ''"),
+    ("82", "sixth", "--views '82' is no"),
+    ("sixth", 0, "--lights 0 is no"),
+    (-1, "sixth", "--views -1 is no"),
+    ("", "sixth", "--views '' is no"),
     ("half", "sixth", "all, sixth, a number from 1 to 81"),
-    ("1.5", "sixth", "views: '1.5'"),
+    ("1.5", "sixth", "--views '1.5' is no"),
     ("9" * 5000, "sixth", "views"),
+    ("82", "82", "--density '82' is no"),
 ]
 
 

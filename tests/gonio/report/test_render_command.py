@@ -50,6 +50,11 @@ def test_dollars_in_a_name_are_no_formula():
     assert "a$\\foo{$" in svg
 
 
+def test_lobes_of_what_is_far_too_bright_are_drawn_without_a_warning():
+    figure = draw_lobes(0.0, {"huge": Lambert((1e300, 1e300, 1e300))}, 1.0)
+    assert figure.axes[0].get_ylim()[1] < 1e15
+
+
 def test_a_material_alone_has_no_difference(tmp_path):
     assert "PSNR" not in render("velvet", "-o", tmp_path / "out")
 
