@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gonio.report.screen import Screen
 
 _SIZE_PX, _LIGHTS = 144, 32
+_SHAPES = ("sphere", "drape")
 _PROBE = "studio"
 ABOUT = (
     f"Under {PROBES[_PROBE].description}; direct light alone. Larger, on more shapes and beside "
@@ -41,16 +42,16 @@ def renders_of(
     model: Material,
     truth: MeasuredTable | None,
     screen: Screen,
-    shapes: Sequence[str] = ("sphere", "drape"),
+    shapes: Sequence[str] = (),
 ) -> list[Render]:
-    """Render a model on each shape, beside it the truth where it is known."""
+    """Render a model on each shape (those of the page), beside it the truth where it is known."""
     materials = {"reconstruction": model}
     if truth is not None:
         materials["truth"] = truth
     if not np.array_equal(screen.matrix, np.eye(3)):
         materials = {name: InSpace(each, screen.matrix) for name, each in materials.items()}
     lights = PROBES[_PROBE].lights(_LIGHTS)
-    shaded = {name: shade(materials, SHAPES[name], lights, _SIZE_PX) for name in shapes}
+    shaded = {name: shade(materials, SHAPES[name], lights, _SIZE_PX) for name in shapes or _SHAPES}
     # all in one exposure, the truth's where it is known
     factor = exposure(list(pictures.values())[-1] for pictures in shaded.values())
     return [
