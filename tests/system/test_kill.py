@@ -69,8 +69,20 @@ def resume(name):
     return ("capture", "--sim", "--resume", "-o", name)
 
 
-@pytest.mark.parametrize("when", ["before", "after"])
-@pytest.mark.parametrize("event", range(1, EVENTS + 1))
+def some(moments, every):
+    """Mark all but every so many as slow."""
+    return [
+        pytest.param(*moment, marks=() if number % every == 0 else pytest.mark.slow)
+        for number, moment in enumerate(moments)
+    ]
+
+
+BEFORE = [(event, "before") for event in range(1, EVENTS + 1)]
+AFTER = [(event, "after") for event in range(1, EVENTS + 1)]
+
+
+# after an event is a moment before the next
+@pytest.mark.parametrize(("event", "when"), some(BEFORE, 1) + some(AFTER, 5))
 def test_a_kill_at_any_event_loses_nothing(forks, whole, event, when):
     session = Session(whole / f"killed-{when}-{event}")
     killed = forks.run(whole, *capture(session.root.name), kill_at=(event, when), drift=False)
@@ -98,7 +110,7 @@ def test_a_resume_that_is_killed_at_every_event_in_turn_gets_there(forks, whole)
     assert hashes(session) == hashes(Session(whole / "steady"))
 
 
-@pytest.mark.parametrize("event", range(1, EVENTS + 1))
+@pytest.mark.parametrize("event", some([(event,) for event in range(1, EVENTS + 1)], 5))
 def test_with_thermal_drift_the_values_are_the_same_within_their_sigma(forks, whole, event):
     session = Session(whole / f"drift-{event}")
     forks.run(whole, *capture(session.root.name), *SEED, kill_at=(event, "before"))
