@@ -1,4 +1,4 @@
-// From the camera's channels to BRDF and sigma of a colour space; gonio/reduce/btf/color.py says how.
+// From the camera's channels to BRDF and sigma of a colour space; gonio/reduce/btf/develop.py says how.
 
 #include "develop.hpp"
 
