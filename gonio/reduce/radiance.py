@@ -14,12 +14,12 @@ from gonio.reduce.hdr import Exposed, Pixels, merge_pixels
 from gonio.reduce.opening import open_frames
 from gonio.reduce.patch import PATCH_MM, PatchFinder
 from gonio.reduce.provenance import shot_exposures
-from gonio.reduce.stray import frame_mean
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from gonio.calibration import Linearity
+    from numpy.typing import NDArray
+
     from gonio.protocols import Progress
     from gonio.reduce.calibrate import Calibration
     from gonio.reduce.dark import Dark
@@ -67,12 +67,7 @@ def write_radiance(session: Session, folder: Path, progress: Progress | None = N
         except BadInputError:
             continue
         shown = [
-            exposed(
-                frame,
-                calibration.darks[frame.record.exposure_s],
-                frame.raw.exposure_s,
-                pixels.linearity,
-            )
+            exposed(frame, calibration.darks[frame.record.exposure_s], frame.raw.exposure_s)
             for frame in bracket
         ]
         merged = merge_pixels(shown, pixels)
@@ -82,11 +77,7 @@ def write_radiance(session: Session, folder: Path, progress: Progress | None = N
 
 
 def exposed(
-    frame: Frame,
-    dark: Dark,
-    exposure: float,
-    linearity: Linearity | None,
-    stray_light: float = 0.0,
+    frame: Frame, dark: Dark, exposure: float, stray: NDArray[np.float64] | None = None
 ) -> Exposed:
     """Return a frame for the merge.
 
@@ -96,12 +87,10 @@ def exposed(
         The frame, and what is taken off it.
     exposure
         See `gonio.reduce.hdr.Exposed`.
-    linearity
-        How raw values bend; None: they do not.
-    stray_light
-        Share of a frame's light that lies over all of it.
+    stray
+        Light that lies over all of the frame, in raw units of a linear sensor, shape (3,).
     """
-    stray = stray_light * frame_mean(frame.raw, dark, linearity) if stray_light else np.zeros(3)
+    stray = np.zeros(3) if stray is None else stray
     one, two, three, four = (float(stray["RGB".index(c)]) for c in frame.raw.sensor.pattern)
     return Exposed(
         mosaic=frame.raw.mosaic,

@@ -30,7 +30,7 @@ def frame_mean(raw: RawFrame, dark: Dark, linearity: Linearity | None) -> NDArra
 
     Veiling glare g makes (1 - g) image + g mean of an image (ISO 9358:1994), which leaves the mean
     as it is: so g x this is what it adds. Saturated pixels hide how bright they were
-    (`by_the_unhidden`).
+    (`by_the_unhidden`, `surrounds`).
     """
     mean = _weighted(raw, dark, linearity, [_even(raw)])[0]
     return np.asarray(mean)
@@ -90,10 +90,43 @@ def by_the_unhidden(readings: Sequence[Reading]) -> list[Reading]:
     readings
         At least one, in whatever order.
     """
-    shown = [each for each in readings if each.hidden <= _HOT_SHARE]
-    shortest = min(readings, key=lambda each: float(each.exposure.sum()))
-    known = max(shown, key=lambda each: float(each.exposure.sum()), default=shortest)
+    hidden = [each.hidden for each in readings]
+    known = readings[_teller(hidden, [float(each.exposure.sum()) for each in readings])]
     return [each if each.hidden <= _HOT_SHARE else _told_by(known, each) for each in readings]
+
+
+def surrounds(
+    raws: Sequence[RawFrame],
+    darks: Sequence[Dark],
+    exposures: Sequence[float],
+    linearity: Linearity | None,
+    saturation: float,
+) -> list[NDArray[np.float64]]:
+    """Return the means of a pose's frames as `frame_mean` does, told as in `by_the_unhidden`.
+
+    Parameters
+    ----------
+    raws, darks, exposures
+        By frame; exposures in any unit.
+    linearity, saturation
+        Of the sensor.
+    """
+    hidden = [float((raw.mosaic >= saturation).mean()) for raw in raws]
+    known = _teller(hidden, exposures)
+    mean = frame_mean(raws[known], darks[known], linearity)
+    return [
+        mean * (exposures[number] / exposures[known])
+        if share > _HOT_SHARE
+        else frame_mean(raws[number], darks[number], linearity)
+        for number, share in enumerate(hidden)
+    ]
+
+
+def _teller(hidden: Sequence[float], exposures: Sequence[float]) -> int:
+    """Return the longest exposure that saturates no more than hot pixels, or else the shortest."""
+    numbers = sorted(range(len(exposures)), key=lambda number: exposures[number])
+    shown = [number for number in numbers if hidden[number] <= _HOT_SHARE]
+    return shown[-1] if shown else numbers[0]
 
 
 def _told_by(known: Reading, reading: Reading) -> Reading:

@@ -15,7 +15,7 @@ from nnbrdf.prior import MaterialPrior
 SUBSETS = [
     # options, views, lights, shots
     ((), 14, 14, 196),
-    (("--density", "vs-ia", "--no-page"), 14, 81, 1134),
+    (("--density", "vs-ia", "--criterion", "farthest", "--no-page"), 14, 81, 1134),
     (("--density", "va-is", "--criterion", "farthest", "--no-page"), 81, 14, 1134),
     (("--density", "3", "--views", "5", "--no-page"), 5, 3, 15),
     (("--views", "2", "--lights", "4", "--no-page"), 2, 4, 8),

@@ -16,6 +16,7 @@ def test_hours_are_kept_and_used(gonio, tmp_path):
     assert few.selection.variance_left > more.selection.variance_left
 
 
+@pytest.mark.slow
 def test_hours_buy_more_than_shots_of_no_price(gonio, tmp_path):
     gonio("plan", "--hours", "0.15", "-o", "hours.json", "--no-page")
     hours = Plan.load(tmp_path / "hours.json")

@@ -166,6 +166,7 @@ def test_clipped_highlights_are_lower_bounds():
     assert log_error(told, true) < 0.8 * log_error(unaware_told, true)
 
 
+@pytest.mark.slow
 def test_quantiles_hold_the_truth_of_many_draws():
     """Of 40 materials, isotropic and not, the 5 to 95 % band holds nine values of ten."""
     held, counted = 0, 0

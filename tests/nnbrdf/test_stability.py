@@ -96,6 +96,7 @@ def test_adamax_with_its_norm_held_is_stable_below_38_over_the_curvature():
     assert limits.momentum_growth(loss, start, scale, 1.02 * rate) > 1e3
 
 
+@pytest.mark.slow
 def test_the_limits_hold_on_a_network():
     loss, start = limits.squared_loss(*some_data(), (3, 3))
     settled = limits.descend(loss, start, 0.3, 200)

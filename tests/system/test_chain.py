@@ -92,6 +92,7 @@ def plan_of(gonio, folder):
     return path
 
 
+@pytest.mark.slow
 def test_a_table_goes_the_same_way(gonio, tmp_path):
     run_chain(gonio, "--no-page")
     samples = Samples.load(tmp_path / "session/samples.nc")

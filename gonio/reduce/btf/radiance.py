@@ -14,6 +14,7 @@ from gonio.reduce.btf.develop import Development, develop
 from gonio.reduce.hdr import Pixels, merge_pixels
 from gonio.reduce.light import Source
 from gonio.reduce.radiance import exposed
+from gonio.reduce.stray import surrounds
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from gonio.photogrammetry.grid import TexelGrid
     from gonio.reduce.btf.develop import Tiles
     from gonio.reduce.btf.job import Job, Maps
+    from gonio.reduce.dark import Dark
     from gonio.reduce.frames import Frame
 
 _NODES = 7
@@ -52,15 +54,16 @@ def texels_of(bracket: Sequence[Frame], maps: Maps, job: Job, tiles: Tiles) -> N
     sources = [source_of(frame, job) for frame in bracket]
     # channels differ in sensitivity alone, which is put in when they are apart
     unit = float(job.rate_per_brdf.mean())
-    shown = [
-        exposed(
-            frame,
-            maps.darks[frame.record.exposure_s],
-            unit * frame.raw.exposure_s * _central(source, frame),
-            job.linearity,
-            job.stray_light,
-        )
+    darks = [maps.darks[frame.record.exposure_s] for frame in bracket]
+    exposures = [
+        unit * frame.raw.exposure_s * _central(source, frame)
         for frame, source in zip(bracket, sources, strict=True)
+    ]
+    shown = [
+        exposed(frame, dark, exposure, veil)
+        for frame, dark, exposure, veil in zip(
+            bracket, darks, exposures, _veils(bracket, darks, exposures, job), strict=True
+        )
     ]
     pixels = Pixels(job.gain, job.saturation, job.linearity, maps.response)
     merged = merge_pixels(shown, pixels)
@@ -75,6 +78,17 @@ def texels_of(bracket: Sequence[Frame], maps: Maps, job: Job, tiles: Tiles) -> N
         even=_evening(sources[0], job.grid),
     )
     develop(texels, development, tiles)
+
+
+def _veils(
+    bracket: Sequence[Frame], darks: Sequence[Dark], exposures: Sequence[float], job: Job
+) -> Sequence[NDArray[np.float64] | None]:
+    # a sum of all pixels takes its time
+    if not job.stray_light:
+        return [None] * len(bracket)
+    raws = [frame.raw for frame in bracket]
+    means = surrounds(raws, darks, exposures, job.linearity, job.saturation)
+    return [job.stray_light * mean for mean in means]
 
 
 def source_of(frame: Frame, job: Job) -> Source:

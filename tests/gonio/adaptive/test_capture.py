@@ -93,6 +93,7 @@ def test_a_target_out_of_reach_ends_at_the_limit_of_shots(gonio, adapt, tmp_path
     assert page.index("Plan 1: 4 shots") < page.index("Plan 2: 2 shots")
 
 
+@pytest.mark.slow
 def test_the_rig_time_is_kept(adapt, tmp_path):
     first_s = chain_estimate(tmp_path / "plan.json")
     hours = (first_s + 100) / 3600
@@ -109,6 +110,7 @@ def chain_estimate(path):
     return Plan.load(path).estimates.total_s
 
 
+@pytest.mark.slow
 def test_another_target_later(gonio, adapt, tmp_path):
     ok(adapt("--until", "5"))
     ok(gonio("capture", "--sim", "--resume", "--adaptive", "--until", "0.001", "--max-shots", "12"))
@@ -188,6 +190,7 @@ def test_nothing_is_lost_whenever_it_is_killed(
     assert "complete" in ok(gonio("capture", "--sim", "--resume"))
 
 
+@pytest.mark.slow
 def test_a_prior_that_is_another_now(gonio, adapt, prior, tmp_path):
     from nnbrdf.prior import MaterialPrior
 

@@ -124,6 +124,7 @@ def test_what_an_earlier_plan_lacks_is_taken_first_and_counts_as_coming(
     assert order == np.repeat(range(8, FIRST + 4), 4).tolist()
 
 
+@pytest.mark.slow
 def test_equal_sessions_make_equal_plans(go_on, session):
     ok(go_on("--shots", "4"))
     once = plan_files(session)

@@ -57,6 +57,7 @@ def captured(gonio, tmp_path):
     return capture
 
 
+@pytest.mark.slow
 def test_injected_errors_of_the_arm_are_recovered(gonio, tmp_path, captured):
     sizes = "\n".join(f"arm_view_{name} = {value}" for name, value in INJECTED.items())
     (tmp_path / "off.toml").write_text(sizes)

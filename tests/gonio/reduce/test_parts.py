@@ -1,5 +1,7 @@
 """The parts of the reduction that need no files: dark, gain, patch, light, color, white."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
 from gonio.reduce.raw import Sensor
 from gonio.reduce.reading import Reading
+from gonio.reduce.stray import surrounds
 from gonio.reduce.white import respond
 from gonio.rig import default_rig
 from sim import sensor as twin
@@ -263,3 +266,23 @@ def test_a_colored_reference_is_allowed_for():
 def test_a_useless_white_reference_is_named(reading, state):
     with pytest.raises(BadInputError, match=f"the white reference is {state}"):
         respond([reading], 1.0, Lambertian(0.99), by(np.eye(3)))
+
+
+@pytest.mark.parametrize("times", [(1.0, 2.0, 16.0), (16.0, 1.0, 2.0), (16.0, 32.0)])
+def test_what_paper_sheds_is_told_by_exposures_that_show_it(times):
+    scene = np.full((8, 8), 10.0)
+    scene[:, 4:] = 100.0
+    end, black = 1000.0, 64.0
+    raws = [
+        SimpleNamespace(
+            mosaic=black + np.minimum(time * scene, end), sensor=SimpleNamespace(pattern="RGGB")
+        )
+        for time in times
+    ]
+    dark = SimpleNamespace(mean=np.full((8, 8), black))
+    means = surrounds(raws, [dark] * len(times), times, None, black + end)
+    # where none shows all, the shortest is the nearest
+    shown = [time for time in times if time * 100.0 < end] or [min(times)]
+    for time, mean in zip(times, means, strict=True):
+        rate = np.minimum(shown[0] * scene, end).mean() / shown[0]
+        np.testing.assert_allclose(mean, time * rate, rtol=1e-12)

@@ -57,6 +57,7 @@ def test_the_same_seed_draws_the_same_materials():
     ).all()
 
 
+@pytest.mark.slow
 def test_equal_pairs_are_found():
     grid = grid_pairs()
     reciprocal, which = grid.reciprocal()
