@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final, Literal
 
 import numpy as np
 from pydantic import Field
 
 from gonio.calibration import CameraIdentity
-from gonio.errors import BadFileError, BadInputError
-from gonio.files import canonical_json, sha256_bytes, write_json
-from gonio.validation import Document, check, parse_json, read_text, within
+from gonio.errors import BadInputError
+from gonio.ofrig import OfRig
+from gonio.validation import Document, within
 from gonio.words import several
 
 if TYPE_CHECKING:
@@ -19,11 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.rig import Rig
 
 SCHEMA: Final = "gonio.color/1"
-
-_REMEDY = "make it anew with: gonio color SESSION"
 
 Number = Annotated[float, within(-1e9, 1e9)]
 Three = tuple[Number, Number, Number]
@@ -94,7 +90,7 @@ class ChartMatrix(Document):
         return np.array([patch.delta_e for patch in self.patches])
 
 
-class ColorFile(Document):
+class ColorFile(OfRig):
     """The matrices of a camera on its rig.
 
     Attributes
@@ -107,8 +103,9 @@ class ColorFile(Document):
         One for each set of lamps.
     """
 
+    remedy: ClassVar[str] = "make it anew with: gonio color SESSION"
+
     schema_: Literal["gonio.color/1"] = Field(default=SCHEMA, alias="schema")
-    rig_sha256: str
     camera: CameraIdentity
     adaptation: Literal["Bradford to D65"] = "Bradford to D65"
     charts: tuple[ChartMatrix, ...] = Field(min_length=1)
@@ -132,38 +129,6 @@ class ColorFile(Document):
             "this session lit; shoot the chart under these, and give its session to gonio color, "
             "too"
         )
-
-    @property
-    def sha256(self) -> str:
-        """SHA-256 of the canonical JSON of everything else."""
-        return sha256_bytes(canonical_json(self._content()))
-
-    def save(self, path: Path) -> None:
-        """Write it with its hash, whole or not at all."""
-        write_json(path, self._content() | {"sha256": self.sha256})
-
-    @classmethod
-    def load(cls, path: Path | str, rig: Rig) -> ColorFile:
-        """Read the file of a rig and check every field and its hash.
-
-        Raises
-        ------
-        gonio.errors.BadFileError
-            When it is missing, broken, changed, or of another rig.
-        """
-        path = Path(path)
-        data = parse_json(read_text(path, _REMEDY), path, _REMEDY)
-        stated = data.pop("sha256", None) if isinstance(data, dict) else None
-        color = check(cls, data, path, _REMEDY)
-        if color.sha256 != stated:
-            raise BadFileError(path, "has changed since it was written", _REMEDY)
-        if color.rig_sha256 != rig.sha256:
-            problem = f"is of rig {color.rig_sha256[:12]}, not {rig.sha256[:12]}"
-            raise BadFileError(path, problem, _REMEDY)
-        return color
-
-    def _content(self) -> dict[str, Any]:
-        return self.model_dump(mode="json", by_alias=True)
 
 
 def lit_lamps(lamps_of_shots: Collection[Collection[int]]) -> tuple[int, ...]:

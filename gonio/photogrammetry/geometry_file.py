@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final, Literal
 
 import numpy as np
 from pydantic import Field
 
 from gonio.alignment import Alignment
 from gonio.camera import Camera
-from gonio.errors import BadFileError
-from gonio.files import canonical_json, sha256_bytes, write_json
+from gonio.ofrig import OfRig
 from gonio.photogrammetry.model import DISTORTION, INTRINSICS
-from gonio.validation import Document, check, parse_json, read_text, within
+from gonio.validation import Document, within
 
 if TYPE_CHECKING:
     from gonio.photogrammetry.adjustment import Adjustment
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
 SCHEMA: Final = "gonio.geometry/1"
 LIMIT_DEG: Final = 0.03
 LIMIT_MM: Final = 0.05
-
-_REMEDY = "make it anew with: gonio geometry SESSION"
 
 Positive = Annotated[float, within(0, 1e9)]
 
@@ -50,7 +46,7 @@ class Residuals(Document):
     angle_deg: Positive
 
 
-class Geometry(Document):
+class Geometry(OfRig):
     """Camera and view arm as measured; the light arm is not seen by the camera.
 
     Attributes
@@ -67,8 +63,9 @@ class Geometry(Document):
         What is left.
     """
 
+    remedy: ClassVar[str] = "make it anew with: gonio geometry SESSION"
+
     schema_: Literal["gonio.geometry/1"] = Field(default=SCHEMA, alias="schema")
-    rig_sha256: str
     focal_px: Positive
     centre_px: tuple[float, float]
     distortion: tuple[float, ...] = ()
@@ -116,35 +113,3 @@ class Geometry(Document):
         """Return the rig file's camera with what was found of it."""
         update = {name: getattr(self, name) for name in ("focal_px", "centre_px", "distortion")}
         return Camera(spec.model_copy(update=update))
-
-    @property
-    def sha256(self) -> str:
-        """SHA-256 of the canonical JSON of everything else."""
-        return sha256_bytes(canonical_json(self._content()))
-
-    def save(self, path: Path) -> None:
-        """Write it with its hash, whole or not at all."""
-        write_json(path, self._content() | {"sha256": self.sha256})
-
-    @classmethod
-    def load(cls, path: Path | str, rig: Rig) -> Geometry:
-        """Read a geometry of a rig and check every field and its hash.
-
-        Raises
-        ------
-        gonio.errors.BadFileError
-            When it is missing, broken, changed, or of another rig.
-        """
-        path = Path(path)
-        data = parse_json(read_text(path, _REMEDY), path, _REMEDY)
-        stated = data.pop("sha256", None) if isinstance(data, dict) else None
-        geometry = check(cls, data, path, _REMEDY)
-        if geometry.sha256 != stated:
-            raise BadFileError(path, "has changed since it was written", _REMEDY)
-        if geometry.rig_sha256 != rig.sha256:
-            problem = f"is of rig {geometry.rig_sha256[:12]}, not {rig.sha256[:12]}"
-            raise BadFileError(path, problem, _REMEDY)
-        return geometry
-
-    def _content(self) -> dict[str, Any]:
-        return self.model_dump(mode="json", by_alias=True)
