@@ -162,27 +162,33 @@ def test_stray_light_is_taken_off_where_the_rig_file_tells_of_it(told, exposures
     assert (np.abs(green) < 4).all() if told else (green > 4).any()
 
 
+# what is stated, the component that holds it, the sample and the sensor's side
 CAUSES = {
-    "reference": {"reference": 0.05},
-    "flux": {"flux_monitor": 0.05},
-    "angle": {"angle_deg": 1.0},
-    "tilt": {"tilt_deg": 1.0},
-    "height": {"height_mm": 5.0},
-    "black level": {"black_level_dn": 300.0},
-    "stray light": {"stray_light": 0.05},
+    "reference": ({"reference": 0.05}, "reference", 0.4, 40),
+    "flux": ({"flux_monitor": 0.05}, "flux", 0.4, 40),
+    "angle": ({"angle_deg": 1.0}, "angle", 0.4, 40),
+    "tilt": ({"tilt_deg": 1.0}, "alignment", 0.4, 40),
+    "height": ({"height_mm": 5.0}, "alignment", 0.8, 40),
+    "black level": ({"black_level_dn": 300.0}, "dark", 0.4, 40),
+    # seen with what lies about it; of one as bright as that, stray light cancels
+    "stray light": ({"stray_light": 0.05}, "stray", 0.02, 96),
 }
 
 
-@pytest.mark.parametrize("stated", CAUSES.values(), ids=CAUSES)
-def test_each_cause_alone_errs_as_its_component_says(stated):
-    rig = small_rig(Uncertainty(**stated), 0.2, exposures_s=(0.2,))
+@pytest.mark.parametrize(("stated", "component", "albedo", "pixels"), CAUSES.values(), ids=CAUSES)
+def test_each_cause_alone_errs_as_its_component_says(stated, component, albedo, pixels):
+    rig = small_rig(Uncertainty(**stated), 0.2, pixels=pixels, exposures_s=(0.2,))
     random = np.random.default_rng(7)
-    squares = []
+    whole, without = [], []
     for _ in range(20):
-        samples, truth = drawn_samples(rig, GREY, random, shots=3)
-        squares.append(np.mean(((samples.value - truth) / samples.sigma) ** 2))
+        samples, truth = drawn_samples(rig, Lambert((albedo,) * 3), random, shots=3)
+        square, held = (samples.value - truth) ** 2, samples.components[component] ** 2
+        whole.append(np.mean(square / samples.sigma**2))
+        without.append(np.mean(square / (samples.sigma**2 - held)))
     # twenty draws tell a standard deviation to a sixth
-    assert 0.6 < np.sqrt(np.mean(squares)) < 1.5
+    assert 0.6 < np.sqrt(np.mean(whole)) < 1.5
+    # and this is so large that nothing else holds it
+    assert np.sqrt(np.mean(without)) > 1.4 * np.sqrt(np.mean(whole))
 
 
 def test_intervals_hold_nine_of_ten_in_less_room_than_a_constant_sigma():
