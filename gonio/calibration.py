@@ -61,7 +61,7 @@ class Linearity(Document):
     coefficients
         c of light = s (1 + c1 u + c2 u^2 + ...), u = s / `raw_range`.
     raw_range
-        From BlackLevel to WhiteLevel, in raw units.
+        From BlackLevel to where raw values end, in raw units.
     reach
         The u up to which it holds, a tenth beyond the brightest level; above, the bending stays.
     deviation, left
@@ -205,6 +205,8 @@ class CalibrationDocument(Document):
         Of a pixel and frame, in electrons.
     saturation
         The raw value from which a pixel counts as saturated.
+    end_seen
+        Whether frames showed where raw values end; if not WhiteLevel was taken.
     full_well_e
         Electrons at which the raw values end.
     linearity
@@ -231,6 +233,7 @@ class CalibrationDocument(Document):
     gain_sigma: float
     read_noise_e: float
     saturation: float
+    end_seen: bool = Field(default=True, exclude_if=lambda it: it)
     full_well_e: float
     linearity: Linearity
     transfer: tuple[TransferPoint, ...]

@@ -98,7 +98,7 @@ class SimCamera:
         mean = self._chip.mean_electrons(light_e, true_s, warmth.sensor)
         electrons = self._chip.read(sensor.count(mean, random))
         return dng_bytes(
-            sensor.read_out(electrons, random),
+            sensor.read_out(electrons, random, self._imperfections.camera_end),
             cfa=sensor.CFA,
             black=sensor.BLACK_LEVEL,
             white=sensor.WHITE_LEVEL,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Final
 
+from pydantic import Field
+
 from gonio.validation import Document, within
 from sim.pixels.full_well import LARGEST_SHORTFALL
 
@@ -31,6 +33,8 @@ class CameraImperfections(Document):
         How many of all pixels are hot, and by how many times the dark current on average.
     camera_full_well
         Share of electrons missing where the full well is just reached.
+    camera_end
+        Share of the range from BlackLevel to WhiteLevel at which raw values end.
     camera_cos4
         Whether the picture's edges are darker by the field angle.
     camera_vignetting
@@ -57,6 +61,9 @@ class CameraImperfections(Document):
     camera_hot_share: Share = 0.0
     camera_hot_times: Annotated[float, within(0, 1e6)] = 100.0
     camera_full_well: Annotated[float, within(0, LARGEST_SHORTFALL)] = 0.0
+    camera_end: Annotated[float, within(0.1, 1)] = Field(
+        default=1.0, exclude_if=lambda it: it == 1.0
+    )
     camera_cos4: bool = False
     camera_vignetting: Share = 0.0
     camera_focal_mm: Annotated[float, within(1, 1e4)] = 100.0

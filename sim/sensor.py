@@ -67,8 +67,11 @@ def count(mean_electrons: NDArray[np.float64], random: np.random.Generator) -> N
     return random.poisson(np.clip(mean_electrons, 0.0, _SURELY_FULL_E)).astype(np.float64)
 
 
-def read_out(electrons: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.uint16]:
-    """Return raw values, with read noise, clipped at WhiteLevel; shape as given."""
+def read_out(
+    electrons: NDArray[np.float64], random: np.random.Generator, end: float = 1.0
+) -> NDArray[np.uint16]:
+    """Return raw values, with read noise, clipped at a share of the range; shape as given."""
     noisy = electrons + READ_NOISE_E * random.standard_normal(electrons.shape)
     raw = np.round(BLACK_LEVEL + GAIN * noisy)
-    return np.clip(raw, 0, WHITE_LEVEL).astype(np.uint16)
+    highest = np.round(BLACK_LEVEL + end * (WHITE_LEVEL - BLACK_LEVEL))
+    return np.clip(raw, 0, highest).astype(np.uint16)

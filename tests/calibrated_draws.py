@@ -182,12 +182,16 @@ def drawn_calibration(twin):
     return Calibrated(document, Path(), *rounded, findings.bad)
 
 
-def calibrated_samples(name, material, random, shots=8, rig=None):
-    """Return samples of a session with its own calibration, and the truth where they are told."""
+def calibrated_samples(name, material, random, shots=8, rig=None, **sizes):
+    """Return samples of a session with its own calibration, and the truth where they are told.
+
+    `sizes` are of imperfections that are other ones than those of that name.
+    """
     rig = rig or imperfect_rig(name)
     zeros = rig.uncertainty.model_copy(update={"angle_deg": ZERO_DEG})
     errors = Errors.draw(rig.model_copy(update={"uncertainty": zeros}), random)
-    twin = DrawnTwin(rig, material, load_imperfections(name), errors, random)
+    imperfections = load_imperfections(name).model_copy(update=sizes)
+    twin = DrawnTwin(rig, material, imperfections, errors, random)
     correction = drawn_calibration(twin)
     # what was warm then is not now
     twin.light(())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gonio.calibrate.bad_pixels import find_bad
+from gonio.calibrate.ending import end_of
 from gonio.calibrate.flat import FlatField
 from gonio.calibrate.glare import away_from_board_px, stray_light_of
 from gonio.calibrate.linearity import fit_linearity
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from gonio.rig import Rig
 
 _GREEN = 1
-# as `gonio.reduce.raw.Sensor.saturation`: sensors bend before they clip
-_SATURATED = 0.98
 _QUANTIZATION = 1.0 / 12.0
 # of linearity and the light's color, each of which tells the other
 _ROUNDS = 4
@@ -46,18 +45,24 @@ class Findings:
         Offset and dark current.
     scene
         The white reference at the first turn of the camera.
-    sensor
-        What the frames say of it.
+    probes
+        A frame of it for each exposure, rising, all lamps lit.
 
     Attributes
     ----------
+    sensor
+        What the frames say of it.
     patch
         The pixels that levels and lamps are told from, shape (height, width).
+    end
+        Where raw values end.
     """
 
-    def __init__(self, rig: Rig, dark: DarkMaps, scene: WhiteScene, sensor: Sensor) -> None:
-        self.rig, self.dark, self.sensor = rig, dark, sensor
-        self.saturation = sensor.saturation
+    def __init__(
+        self, rig: Rig, dark: DarkMaps, scene: WhiteScene, probes: Sequence[Exposed]
+    ) -> None:
+        self.rig, self.dark = rig, dark
+        self.sensor: Sensor = probes[0].raw.sensor
         self.points: list[TransferPoint] = []
         self.lamps: list[LampStrength] = []
         self.series: tuple[DarkSeries, ...] = ()
@@ -74,6 +79,7 @@ class Findings:
         self._dark_bad, _ = find_bad(dark, alike, alike)
         self.patch = scene.patch & ~self._dark_bad
         self._where = [self.patch & (scene.channel == channel) for channel in range(3)]
+        self.end = end_of(probes, self._where)
         self._flat = FlatField(rig.camera, scene.channel)
         self._levels: list[list[Level]] = []
         self._strengths: dict[int, tuple[float, float]] = {}
@@ -90,20 +96,13 @@ class Findings:
     @property
     def full_well_e(self) -> float:
         """Electrons at which the raw values end, the bending undone."""
-        return float(self.linearity.undo(np.array(self.saturation_end)) / self.gain)
-
-    @property
-    def saturation_end(self) -> float:
-        """Raw units above dark beyond which there are none."""
-        return (self.saturation - self.sensor.black) / _SATURATED
+        return float(self.linearity.undo(np.array(self.end.above)) / self.gain)
 
     def add_level(self, frames: Sequence[Exposed], current_mA: float) -> None:
         """Add repeats of one level."""
         levels = [self._level_of(frames, channel) for channel in range(3)]
         self._levels.append(levels)
         green = levels[_GREEN]
-        if green.saturated:
-            self._see_end(np.array([frame.raw.mosaic[self._where[_GREEN]] for frame in frames]))
         self.points.append(
             TransferPoint(
                 exposure_s=float(np.mean([frame.raw.exposure_s for frame in frames])),
@@ -120,7 +119,7 @@ class Findings:
         raw = np.array([frame.raw.mosaic[where] for frame in frames], np.float64)
         dark = np.array([self._dark_of(frame)[where] for frame in frames])
         doses = np.array([self._scene.dose(frame, where).mean() for frame in frames])
-        saturated = bool((raw >= self.sensor.saturation).any())
+        saturated = bool((raw >= self.end.saturation).any())
         return level_of(raw - dark, doses, saturated=saturated)
 
     def fit_sensor(self) -> None:
@@ -129,7 +128,7 @@ class Findings:
         dose = np.array([levels[_GREEN].dose for levels in free])
         signal = np.array([[each.signal for each in levels] for levels in free]).reshape(-1, 3)
         noise = np.array([levels[_GREEN].relative_noise for levels in free])
-        raw_range, color = float(self.sensor.white - self.sensor.black), None
+        raw_range, color = self.end.above, None
         # how red the light was is known once red and blue are linear, too
         for _ in range(_ROUNDS):
             self.linearity, scale = fit_linearity(dose, signal[:, _GREEN], raw_range, color, noise)
@@ -150,7 +149,7 @@ class Findings:
     def add_flat(self, frame: Exposed) -> None:
         """Add a frame for the flat field."""
         scene = WhiteScene(self.rig, frame)
-        seen = scene.seen & (frame.raw.mosaic < self.saturation)
+        seen = scene.seen & (frame.raw.mosaic < self.end.saturation)
         expected = np.zeros(seen.shape)
         expected[seen] = scene.dose(frame, seen)
         signal = self._linear(frame)
@@ -177,13 +176,6 @@ class Findings:
             LampStrength(n=n, strength=strength / mean, sigma=relative * strength / mean)
             for n, (strength, relative) in self._strengths.items()
         ]
-
-    def _see_end(self, raw: NDArray[np.float64]) -> None:
-        """Lower the saturation where the sensor ends before WhiteLevel does."""
-        low, end, high = np.percentile(raw, (25, 50, 75)) - self.sensor.black
-        # values that pile up are an end; a level just below it spreads with its noise
-        if low == high:
-            self.saturation = self.sensor.black + _SATURATED * float(end)
 
     def _dark_of(self, frame: Exposed) -> NDArray[np.float64]:
         return self.dark.offset + self.dark.rate * frame.raw.exposure_s

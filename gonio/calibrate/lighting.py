@@ -14,12 +14,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from gonio.calibrate.ending import End
     from gonio.calibrate.exposing import Exposed
     from gonio.rig import Rig
 
 FULL_CURRENT_MA: Final = 700.0
 
-_FAINTEST = 0.01
+FAINTEST: Final = 0.01
+"""Share of the range below which a level tells little."""
 
 
 def all_lamps(rig: Rig, current_mA: float = FULL_CURRENT_MA) -> list[LampSetting]:
@@ -27,15 +29,15 @@ def all_lamps(rig: Rig, current_mA: float = FULL_CURRENT_MA) -> list[LampSetting
     return [LampSetting(n=lamp.n, mA=round(current_mA, 1)) for lamp in rig.lamps.lamp]
 
 
-def level_of(frame: Exposed, patch: NDArray[np.bool_]) -> float | None:
+def level_of(frame: Exposed, patch: NDArray[np.bool_], end: End) -> float | None:
     """Return the share of the range that a frame's brightest channel fills; None of a full one."""
-    sensor, raw = frame.raw.sensor, frame.raw.mosaic[patch]
-    if raw.max() >= sensor.saturation:
+    raw = frame.raw.mosaic[patch]
+    if raw.max() >= end.saturation:
         return None
-    return float(np.percentile(raw, 95) - sensor.black) / (sensor.white - sensor.black)
+    return float(np.percentile(raw, 95) - end.black) / end.above
 
 
-def level_per_s(frames: Sequence[Exposed], patch: NDArray[np.bool_]) -> float:
+def level_per_s(frames: Sequence[Exposed], patch: NDArray[np.bool_], end: End) -> float:
     """Return the share of the range that the brightest channel gains in a second, all lamps full.
 
     Raises
@@ -43,8 +45,8 @@ def level_per_s(frames: Sequence[Exposed], patch: NDArray[np.bool_]) -> float:
     gonio.errors.BadInputError
         When no exposure shows the white reference.
     """
-    levels = [(level_of(frame, patch), frame.raw.exposure_s) for frame in frames]
-    known = [level / seconds for level, seconds in levels if level and level > _FAINTEST]
+    levels = [(level_of(frame, patch, end), frame.raw.exposure_s) for frame in frames]
+    known = [level / seconds for level, seconds in levels if level and level > FAINTEST]
     if not known:
         raise BadInputError(
             "the white reference is too bright or too dark at every exposure of the rig file; "

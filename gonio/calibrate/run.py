@@ -106,8 +106,8 @@ class CalibrationRun:
         exposer.light(all_lamps(rig))
         probes = [exposer.take(s, 1, "probe")[0] for s in self._exposures_s]
         scene = WhiteScene(rig, probes[0])
-        findings = Findings(rig, dark, scene, probes[0].raw.sensor)
-        per_s = level_per_s(probes, findings.patch)
+        findings = Findings(rig, dark, scene, probes)
+        per_s = level_per_s(probes, findings.patch, findings.end)
         self._levels(findings, per_s)
         self._stray(findings, per_s)
         self._flats(findings, per_s)
@@ -124,7 +124,7 @@ class CalibrationRun:
             self._exposer.light(all_lamps(self._rig, current_mA))
             frames = self._exposer.take(exposure_s, LEVEL_FRAMES, "level")
             findings.add_level(frames, current_mA)
-            reached = level_of(frames[-1], findings.patch)
+            reached = level_of(frames[-1], findings.patch, findings.end)
             if reached:
                 brighter = reached * FULL_CURRENT_MA / (per_s * exposure_s * current_mA)
         findings.fit_sensor()

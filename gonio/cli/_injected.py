@@ -30,8 +30,9 @@ def against_injected(findings: Findings, seed: int, sizes: CameraImperfections) 
     """Return the quantities of a twin's sensor as they were recovered and as they are."""
     spec = findings.rig.camera
     pattern = FixedPattern.of((spec.height, spec.width), sizes, seed)
-    full_e = _full_well_e(sizes.camera_full_well)
-    true_bend = 0.9 * sensor.FULL_WELL_E / _inverse(0.9, sizes.camera_full_well)
+    end = sizes.camera_end
+    full_e = _inverse(end, sizes.camera_full_well)
+    true_bend = 0.9 * end * sensor.FULL_WELL_E / _inverse(0.9 * end, sizes.camera_full_well)
     linearity = findings.linearity
     found_bend = 1.0 / float(linearity.bending(np.array(0.9 * linearity.raw_range)))
     strengths = [lamp.strength for lamp in findings.lamps]
@@ -53,10 +54,6 @@ def _inverse(fill: float, shortfall: float) -> float:
     """Return the electrons of which a pixel gathers `fill` of the full well."""
     electrons = np.linspace(0.0, 1.1 * sensor.FULL_WELL_E, 100_001)
     return float(np.interp(fill * sensor.FULL_WELL_E, gathered(electrons, shortfall), electrons))
-
-
-def _full_well_e(shortfall: float) -> float:
-    return _inverse(1.0, shortfall)
 
 
 def _dark_row(findings: Findings, sizes: CameraImperfections) -> Row:

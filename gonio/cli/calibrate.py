@@ -80,14 +80,8 @@ def command(
     twin = (seed or 0, imperfections or "none") if sim else None
     document = _calibrated(rig, twin, output)
     console.print(f"wrote {output}, sha256 {document.sha256}; look at {output / PAGE_NAME}")
-    free = [point.signal for point in document.transfer if not point.saturated]
-    brightest = max(free) / document.linearity.raw_range
-    if brightest < _FAR_ENOUGH:
-        click.echo(
-            f"note: the white reference fills {100 * brightest:.0f} % of the range "
-            "at most, and linearity is known little further; add a longer exposure to "
-            "camera.exposures_s"
-        )
+    for note in _notes(document):
+        click.echo(f"note: {note}")
     console.print("next: " + shlex.join(["gonio", "capture", "--calibration", str(output)]))
     found = document.model_dump(mode="json", exclude={"schema_"})
     answer({"folder": output, "sha256": document.sha256, **found})
@@ -117,6 +111,23 @@ def _calibrated(rig: Rig, twin: tuple[int, str] | None, output: Path) -> Calibra
         write_calibration_page(folder, document, folder / MAPS_NAME, compared)
         console.print(_table(document, compared))
         return seal(document, folder)
+
+
+def _notes(document: CalibrationDocument) -> Iterator[str]:
+    """Yield what the exposures of the rig file left open."""
+    free = [point.signal for point in document.transfer if not point.saturated]
+    brightest = max(free) / document.linearity.raw_range
+    remedy = "add a longer exposure to camera.exposures_s"
+    if brightest < _FAR_ENOUGH:
+        yield (
+            f"the white reference fills {100 * brightest:.0f} % of the range "
+            f"at most, and linearity is known little further; {remedy}"
+        )
+    if not document.end_seen:
+        yield (
+            "no exposure overexposes the white reference, so raw values are taken to end at "
+            f"WhiteLevel, where a sensor may end before; {remedy}"
+        )
 
 
 @contextmanager

@@ -24,7 +24,8 @@ _NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
 _CFA = 32803
 _EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1, _AS_SHOT_NEUTRAL = 34665, 262, 50721, 50728
 _MODEL, _SERIAL = 50708, 50735
-_SATURATED = 0.98
+SATURATED: Final = 0.98
+"""Share of the range from which a pixel counts as saturated: sensors bend before they clip."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +63,8 @@ class Sensor:
 
     @property
     def saturation(self) -> float:
-        """The raw value from which a pixel counts as saturated: 98 % of the range.
-
-        Sensors bend before they clip.
-        """
-        return self.black + _SATURATED * (self.white - self.black)
+        """The raw value from which a pixel counts as saturated: 98 % of the range."""
+        return self.black + SATURATED * (self.white - self.black)
 
     @property
     def identity(self) -> CameraIdentity:
