@@ -163,7 +163,8 @@ class Findings:
         patch = self.patch
         signal = float(sum(self._linear(frame)[patch].sum() for frame in frames))
         dose = float(sum(self._scene.dose(frame, patch).sum() for frame in frames))
-        self._strengths[n] = (signal / dose, math.sqrt(self.gain / signal))
+        monitor = self.rig.uncertainty.flux_monitor / math.sqrt(len(frames))
+        self._strengths[n] = (signal / dose, math.hypot(math.sqrt(self.gain / signal), monitor))
 
     def finish(self, series: Sequence[DarkSeries]) -> None:
         """Settle flat field, bad pixels and lamps, now that all frames are taken."""

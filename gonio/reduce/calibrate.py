@@ -91,7 +91,8 @@ def calibrate(
         white_frames = frames.of_calibration("white", exposure_s)
         correction.check(frames.sensor)
         dark = darks[exposure_s] = correction.dark(_mosaics(dark_frames), exposure_s)
-        transfer.add(_mosaics(white_frames), dark, frames.sensor.saturation)
+        if correction.gain is None:
+            transfer.add(_mosaics(white_frames), dark, frames.sensor.saturation)
         readings += _alike([take_reading(f, dark, patches, rig, correction) for f in white_frames])
         records += [frame.record for frame in (*dark_frames, *white_frames)]
     if not readings:

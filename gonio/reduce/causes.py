@@ -84,10 +84,15 @@ class Causes:
         return np.abs(of_samples), float(self._of_white["spread"].max())
 
     def fading(self) -> Array:
-        """Return how far the lamps' flux is from that of the white frames, relative, shape (n,)."""
-        of_samples = [np.mean([r.brightness for r in bracket]) for bracket in self.brackets]
-        of_white = np.mean([reading.brightness for reading in self._whites])
-        return np.asarray(np.abs(np.log(np.array(of_samples) / of_white)))
+        """Return how far the lamps' flux is from that of the white frames, relative, shape (n,).
+
+        Lamp by lamp, each for its share of the light: one that fades while another brightens leaves
+        their sum as it was, and not their color. One that was dark then is compared with the mean.
+        """
+        flux, of_white = (self._mean_of("flux", each) for each in (self.brackets, [self._whites]))
+        before = np.where(of_white > 0, of_white, of_white.mean(where=of_white > 0))
+        change = np.abs(np.log(np.where(flux > 0, flux / before, 1.0)))
+        return np.asarray((self._mean_of("lamps", self.brackets) * change).sum(axis=1))
 
     @property
     def _whites(self) -> Sequence[Reading]:
@@ -97,6 +102,11 @@ class Causes:
     def _pixels(brackets: Sequence[Sequence[Reading]]) -> Array:
         """Return how many pixels each bracket has in its smallest patch, shape (n, 3)."""
         return np.array([np.min([r.pixels for r in each], axis=0) for each in brackets], np.float64)
+
+    @staticmethod
+    def _mean_of(name: str, brackets: Sequence[Sequence[Reading]]) -> Array:
+        """Return the mean of a reading's field over each bracket, shape (n, ...)."""
+        return np.array([np.mean([getattr(r, name) for r in each], axis=0) for each in brackets])
 
     def _bent(self, coefficients: Array) -> Array:
         """Return the signed error for an error of the linearity's coefficients, shape (n, 3)."""
@@ -109,8 +119,7 @@ class Causes:
     def _lamps(self) -> Array:
         """Return sigma for the lamps' strengths, shape (n, 3)."""
         shares, of_white = (
-            np.array([np.mean([r.lamps for r in each], axis=0) for each in brackets])
-            for brackets in (self.brackets, [self._whites])
+            self._mean_of("lamps", each) for each in (self.brackets, [self._whites])
         )
         relative = np.linalg.norm((shares - of_white) * self.doubt.lamps, axis=1)
         return self.response.in_space(self.camera * relative[:, None])
@@ -144,8 +153,8 @@ class Causes:
 
 def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:
     """Return what the one error of linearity in `doubt` does to a rate, shape (3,)."""
-    signal = np.array([reading.signal for reading in bracket])
-    return np.asarray((rate.per_signal * signal * doubt.bending(signal)[0]).sum(axis=0))
+    as_read = np.array([reading.as_read for reading in bracket])
+    return np.asarray((rate.per_signal * as_read * doubt.bending(as_read)[0]).sum(axis=0))
 
 
 def _effects(rate: Rate, bracket: Sequence[Reading]) -> dict[str, Array]:

@@ -30,6 +30,8 @@ class Doubt:
         (n, degree).
     raw_range
         In raw units, which the linearity is a function of the share of.
+    reach
+        The share of the range beyond which the bending, and its error, stay as they are.
     lamps
         Of each lamp's strength, relative, shape (11,).
     stray_light, halo
@@ -39,6 +41,7 @@ class Doubt:
     flat: float = 0.0
     bends: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 1)))
     raw_range: float = 1.0
+    reach: float = np.inf
     lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(_LAMPS))
     stray_light: float = 0.0
     halo: float = 0.0
@@ -55,6 +58,7 @@ class Doubt:
             flat=document.flat_sigma,
             bends=np.array(errors).reshape(len(errors), len(document.linearity.coefficients)),
             raw_range=document.linearity.raw_range,
+            reach=document.linearity.reach,
             lamps=lamps,
             stray_light=document.stray_light.sigma if document.stray_light else 0.0,
             halo=float(np.hypot(halo.sigma, _HALO_SHAPE * halo.share)) if halo else 0.0,
@@ -66,7 +70,7 @@ class Doubt:
         Parameters
         ----------
         signal
-            Above dark, in raw units, shape (...).
+            Above dark as it was read, in raw units, shape (...).
 
         Returns
         -------
@@ -74,5 +78,5 @@ class Doubt:
             Signed, shape (n, ...).
         """
         powers = np.arange(1, self.bends.shape[1] + 1)
-        share = np.asarray(signal)[..., None] / self.raw_range
+        share = np.clip(np.asarray(signal)[..., None] / self.raw_range, None, self.reach)
         return np.moveaxis((share**powers) @ self.bends.T, -1, 0)

@@ -64,10 +64,10 @@ class Reading:
         In sr.
     hidden
         Share of the frame's pixels that are saturated; 0 where nothing tells of stray light.
-    lamps
-        Each lamp's share of the light, shape (11,).
-    brightness
-        Mean flux of the lamps that were lit.
+    flux
+        Of lamps 1 to 11, shape (11,).
+    as_read
+        Mean above dark before the bending is undone, stray light included, shape (3,).
     """
 
     signal: NDArray[np.float64]
@@ -83,10 +83,15 @@ class Reading:
     arms_rad: NDArray[np.float64]
     light_solid_angle: float
     view_solid_angle: float
-    lamps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(11))
-    brightness: float = 1.0
+    flux: NDArray[np.float64] = field(default_factory=lambda: np.ones(11))
+    as_read: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     hidden: float = 0.0
     around: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def lamps(self) -> NDArray[np.float64]:
+        """Each lamp's share of the light, shape (11,)."""
+        return np.asarray(self.flux / self.flux.sum())
 
 
 def take_reading(
@@ -123,8 +128,9 @@ def take_reading(
             "check the lamps and capture again"
         )
     raw, stray = patch.of(frame.raw.mosaic), stray_on(patch, frame.raw, dark, rig, correction)
+    as_read = raw - patch.of(dark.mean)
     return Reading(
-        signal=patch.mean(correction.linear(raw - patch.of(dark.mean))) - stray.taken,
+        signal=patch.mean(correction.linear(as_read)) - stray.taken,
         exposure=exposure,
         pixels=patch.pixels,
         saturated=patch.any(raw >= correction.saturation(sensor)),
@@ -139,6 +145,6 @@ def take_reading(
         arms_rad=np.array([a for arm in (frame.light, frame.view) for a in (arm.theta, arm.phi)]),
         light_solid_angle=source.solid_angle,
         view_solid_angle=patch.solid_angle,
-        lamps=np.asarray(flux) / sum(flux),
-        brightness=float(np.mean([each for each in flux if each > 0])),
+        flux=np.asarray(flux, np.float64),
+        as_read=patch.mean(as_read),
     )

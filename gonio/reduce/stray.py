@@ -71,7 +71,7 @@ def stray_on(patch: Patch, raw: RawFrame, dark: Dark, rig: Rig, correction: Corr
         weights = [_even(raw), _bell(raw, patch, halo.width * raw.sensor.width)]
         surround, around = _weighted(raw, dark, correction.linearity, weights)
         around = around - share * surround
-    elif share or rig.uncertainty.stray_light:
+    elif share or rig.uncertainty.stray_light or correction.doubt.stray_light:
         surround = frame_mean(raw, dark, correction.linearity)
     if surround.any():
         hidden = float((raw.mosaic >= correction.saturation(raw.sensor)).mean())

@@ -11,6 +11,10 @@ from gonio.calibrate.lighting import FULL_CURRENT_MA, setting_for
 from gonio.calibrate.linearity import fit_linearity, slope
 from gonio.calibrate.transfer import level_of
 from gonio.calibration import Linearity
+from gonio.materials import Lambertian
+from sim.imperfections import IDEAL
+from tests.calibrated_draws import DrawnTwin, drawn_calibration, imperfect_rig
+from tests.draws import Errors
 
 RANGE = 60_000.0
 
@@ -143,3 +147,16 @@ def test_a_level_s_variance_is_that_of_its_photons_however_few_the_pixels():
     ]
     # each is of 21 free values, so that all of them tell it to 0.7 %
     np.testing.assert_allclose(np.mean(found), 1e4, rtol=0.03)
+
+
+def test_a_lamp_is_known_no_better_than_its_monitor():
+    random = np.random.default_rng(6)
+    rig = imperfect_rig("none")
+    told = rig.uncertainty.model_copy(update={"flux_monitor": 0.01})
+    rig = rig.model_copy(update={"uncertainty": told})
+    twin = DrawnTwin(rig, Lambertian(0.5), IDEAL, Errors.draw(rig, random), random)
+    lamps = drawn_calibration(twin).document.lamps
+    off, sigma = np.array([(lamp.strength - 1.0, lamp.sigma) for lamp in lamps]).T
+    # one frame of each
+    np.testing.assert_allclose(sigma, 0.01, rtol=0.1)
+    assert 0.5 < np.sqrt(np.mean((off / sigma) ** 2)) < 1.6

@@ -11,13 +11,14 @@ from gonio.geometry import ArmPose
 from gonio.materials import Lambertian
 from gonio.reduce.color import Coloring, camera_from_srgb
 from gonio.reduce.dark import mean_dark
+from gonio.reduce.doubt import Doubt
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.light import Source
 from gonio.reduce.merge import merge
 from gonio.reduce.patch import PatchFinder
 from gonio.reduce.raw import Sensor
 from gonio.reduce.reading import Reading
-from gonio.reduce.stray import surrounds
+from gonio.reduce.stray import stray_on, surrounds
 from gonio.reduce.white import respond
 from gonio.rig import default_rig
 from sim import sensor as twin
@@ -286,3 +287,14 @@ def test_what_paper_sheds_is_told_by_exposures_that_show_it(times):
     for time, mean in zip(times, means, strict=True):
         rate = np.minimum(shown[0] * scene, end).mean() / shown[0]
         np.testing.assert_allclose(mean, time * rate, rtol=1e-12)
+
+
+def test_stray_light_that_is_none_give_or_take_a_little_may_be_a_little():
+    raw = SimpleNamespace(mosaic=np.full((8, 8), 164.0), sensor=SimpleNamespace(pattern="RGGB"))
+    known = SimpleNamespace(
+        stray_light=0.0, halo=None, linearity=None, saturation=lambda _: 1e3,
+        doubt=Doubt(stray_light=0.001),
+    )  # fmt: skip
+    found = stray_on(None, raw, SimpleNamespace(mean=np.full((8, 8), 64.0)), RIG, known)
+    np.testing.assert_allclose(found.surround, 100.0)
+    assert not found.taken.any()
