@@ -147,7 +147,7 @@ def _space_of(samples: Samples | None) -> str | None:
 class Row:
     """One sample, and what the journal says of the frames that it was made from.
 
-    Sigma and flag are known once all samples are.
+    Sigma, its components and flag are known once all samples are.
     """
 
     shot: Shot
@@ -157,6 +157,7 @@ class Row:
     value: NDArray[np.float64]
     around: Surroundings
     sigma: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
+    components: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     flag: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(3, np.uint32))
 
     def mean(self, name: str) -> NDArray[np.float64]:
@@ -215,10 +216,16 @@ def _suspected(samples: Samples, suspects: Collection[int]) -> Samples:
 
 def _judged(rows: Sequence[Row], samples: Samples, coloring: Coloring) -> list[Row]:
     """Return the rows with what is known of each beside the others, a white's channels all one."""
-    known, white = zip(rows, samples.sigma, samples.flag, strict=True), coloring.white
+    white = coloring.white
     return [
-        replace(row, value=row.value / white, sigma=sigma / white, flag=flag)
-        for row, sigma, flag in known
+        replace(
+            row,
+            value=row.value / white,
+            sigma=samples.sigma[place] / white,
+            components={name: part[place] / white for name, part in samples.components.items()},
+            flag=samples.flag[place],
+        )
+        for place, row in enumerate(rows)
     ]
 
 

@@ -40,7 +40,7 @@ def anchors(seen: Sequence[Seen]) -> Check:
         found = f"fewer than {_FEWEST_ANCHORS} repeats of a pair (gonio plan --anchors 50)"
         return Check(name="drift", ok=True, found=found, limit=f"{DRIFT:.0%}", asked=False)
     level = np.array([each.value.mean() for each in group])
-    share = np.array([np.linalg.norm(each.sigma) / 3 for each in group]) / level.mean()
+    share = np.array([np.linalg.norm(each.scatter()) / 3 for each in group]) / level.mean()
     constant = np.ones((len(group), 1))
     change, sigma = _change(_time(group, seen), level / level.mean(), share, constant)
     return _drifted("drift", f"of {len(group)} repeats of a pair", change, sigma)

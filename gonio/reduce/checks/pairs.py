@@ -25,7 +25,10 @@ EXCHANGED: Final = 0.05
 """Share by which two samples of one pair, and of an exchanged one, may differ."""
 
 UNLIKELY: Final = 4.0
-"""Number of standard deviations by which they may."""
+"""Number of standard deviations by which they may; only of what does not cancel in them."""
+
+# what all shots share and what yet errs otherwise where light and view are exchanged
+_BY_DIRECTIONS: Final = ("dark", "calibration", "angle", "alignment", "stray")
 
 
 class Direction(NamedTuple):
@@ -56,7 +59,9 @@ def repeats(seen: Sequence[Seen]) -> Check:
     """Compare shots of one pair of directions, each with each."""
     groups = of_one_pair(seen)
     pairs = [pair for group in groups for pair in combinations(group, 2)]
-    return _told("repeats", pairs, REPEATED, seen, "the rig does not repeat: see drift and lamps")
+    apart = [pair for pair in pairs if differ(*pair, REPEATED)]
+    systematic = "the rig does not repeat: see drift and lamps"
+    return _told("repeats", pairs, apart, REPEATED, systematic)
 
 
 def reciprocity(seen: Sequence[Seen]) -> Check:
@@ -69,17 +74,17 @@ def reciprocity(seen: Sequence[Seen]) -> Check:
         for (light, view), each in first.items()
         if light < view and (view, light) in first
     ]
+    apart = [pair for pair in both_ways if differ(*pair, EXCHANGED, _BY_DIRECTIONS)]
     systematic = (
         "the arms' angles, the light's evenness or the sample's place are off, or the sample is "
         "not reciprocal"
     )
-    return _told("reciprocity", both_ways, EXCHANGED, seen, systematic)
+    return _told("reciprocity", both_ways, apart, EXCHANGED, systematic)
 
 
 def _told(
-    name: str, pairs: Sequence[Pair], share: float, seen: Sequence[Seen], systematic: str
+    name: str, pairs: Sequence[Pair], apart: Sequence[Pair], share: float, systematic: str
 ) -> Check:
-    apart = [pair for pair in pairs if differ(*pair, share)]
     shots = sorted({each.index for pair in apart for each in _odd(pair, apart)})
     within = f"median difference {np.median([_difference(*p) for p in pairs]):.2%}" if pairs else ""
     return Check(
@@ -101,11 +106,14 @@ def _odd(pair: Pair, apart: Sequence[Pair]) -> Iterable[Seen]:
     return [each for each, count in zip(pair, counts, strict=True) if count == max(counts)]
 
 
-def differ(one: Seen, other: Seen, share: float) -> bool:
-    """Tell whether a channel differs by more than `share` and than noise explains."""
+def differ(one: Seen, other: Seen, share: float, also: Sequence[str] = ()) -> bool:
+    """Tell whether a channel differs by more than `share` and than noise explains.
+
+    `also` are components that all shots share, and that do not cancel in these two.
+    """
     apart = np.abs(one.value - other.value)
     clipped = (one.flag | other.flag) & Flag.CLIPPED
-    beyond = apart > UNLIKELY * np.hypot(one.sigma, other.sigma)
+    beyond = apart > UNLIKELY * np.hypot(one.scatter(*also), other.scatter(*also))
     beyond &= apart > share * (np.abs(one.value) + np.abs(other.value)) / 2
     return bool((beyond & (clipped == 0)).any())
 

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from gonio.directions import normalize
+from gonio.uncertainty import COMPONENTS
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from gonio.journal import FrameRecord
@@ -32,6 +36,8 @@ class Measured(Protocol):
     @property
     def sigma(self) -> NDArray[np.float64]: ...  # noqa: D102
     @property
+    def components(self) -> Mapping[str, NDArray[np.float64]]: ...  # noqa: D102
+    @property
     def flag(self) -> NDArray[np.uint32]: ...  # noqa: D102
     @property
     def around(self) -> Surroundings: ...  # noqa: D102
@@ -48,7 +54,7 @@ class Seen:
     ----------
     shot, records, readings
         What was wanted, what was taken, and what each frame of it says.
-    value, sigma, flag
+    value, sigma, components, flag
         The sample (see `gonio.samples.Samples`), shape (3,).
     light, view
         Unit vectors, shape (3,).
@@ -63,6 +69,7 @@ class Seen:
     readings: tuple[Reading, ...]
     value: NDArray[np.float64]
     sigma: NDArray[np.float64]
+    components: Mapping[str, NDArray[np.float64]]
     flag: NDArray[np.uint32]
     light: NDArray[np.float64]
     view: NDArray[np.float64]
@@ -84,6 +91,14 @@ class Seen:
         """Width of the sample's edge."""
         return self.around.blur_px
 
+    def scatter(self, *also: str) -> NDArray[np.float64]:
+        """Return sigma of what errs in each shot by itself, and of these components, shape (3,).
+
+        What all shots of a session share cancels where two of them are compared.
+        """
+        names = [each.name for each in COMPONENTS if not each.common or each.name in also]
+        return np.asarray(np.sqrt(sum(self.components[name] ** 2 for name in names)))
+
     @classmethod
     def of(cls, row: Measured, taken: int) -> Seen:
         """Return a row as the checks look at it."""
@@ -93,6 +108,7 @@ class Seen:
             readings=row.readings,
             value=row.value,
             sigma=row.sigma,
+            components=row.components,
             flag=row.flag,
             light=normalize(row.mean("light")),
             view=normalize(row.mean("view")),

@@ -5,7 +5,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from gonio.checks import Checks
-from gonio.rig import AXES
+from gonio.rig import AXES, default_rig_text
 from gonio.samples import Flag
 from nnbrdf.analytic import Lambert
 from sim.materials import load_material
@@ -161,3 +161,19 @@ def test_less_light_than_none(photographer):
     _, checks = reduced(shots)
     assert checks["negative"].shots == (3,)
     assert checks["negative"].retake
+
+
+def test_what_all_shots_share_hides_no_change(photographer):
+    # 3 % of the reference would hide up to 17 %
+    pairs = 5 * [(20, 0, 40, 90)]
+    stated = default_rig_text() + "\n[uncertainty]\nreference = 0.03\n"
+    shots = photographer(pairs, GREY, exposures_s=(0.2,), rig_text=stated).calibrate()
+    gains = iter(np.linspace(1.0, 0.97, len(pairs)))
+
+    def dimmer_each_time(mosaic):
+        return brightened(next(gains))(mosaic)
+
+    shots.shoot(change=with_pixels(dimmer_each_time, SIZE))
+    # so many pixels that their noise hides nothing either
+    _, checks = reduced(shots, "--patch-mm", "20")
+    assert failing(checks) == {"repeats", "drift"}
