@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -24,6 +24,10 @@ Measured cameras under lamps that change by a few percent (`make color`, docs/to
 """
 
 
+_CHANNELS_ALONE: Final = 0.67
+"""The same of the balance by channels."""
+
+
 @dataclass(frozen=True)
 class Balance:
     """From rates over those of the white reference to the BRDF in a space.
@@ -32,7 +36,8 @@ class Balance:
     Two models tell what that does to colors; both are exact for grey. Scaling each channel of the
     camera is exact where filters are narrow (von Kries' rule). Scaling each primary of linear sRGB,
     into which the matrix unmixes them, is exact where filters are mixtures of these (spectral
-    sharpening; Finlayson, Drew and Funt 1994). Cameras lie between, so a mean is taken.
+    sharpening; Finlayson, Drew and Funt 1994). Cameras lie between, so a mean is taken, unless the
+    light lacks a primary: then the second model says nothing of that one.
 
     Attributes
     ----------
@@ -44,6 +49,8 @@ class Balance:
         As `gonio.reduce.color.Coloring` has it.
     known, channels
         The reference's BRDF in the space and in white-balanced camera RGB, 1/sr, shape (3,).
+    lacking
+        Primaries of linear sRGB that the light has none of, or less, shape (3,).
     """
 
     by_channels: Array
@@ -51,11 +58,16 @@ class Balance:
     space_from_srgb: Array
     known: Array
     channels: Array
+    lacking: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(3, np.bool_))
 
     @property
     def matrix(self) -> Array:
         """The mean of both, shape (3, 3)."""
-        return self.by_channels + PRIMARIES * (self.by_primaries - self.by_channels)
+        return self.by_channels + self._weight * (self.by_primaries - self.by_channels)
+
+    @property
+    def _weight(self) -> float:
+        return 0.0 if self.lacking.any() else PRIMARIES
 
     def relative(self, value: Array) -> Array:
         """Return rates over the white's for BRDFs in the space, shape (n, 3)."""
@@ -65,9 +77,15 @@ class Balance:
         """Return how well the mean of the models is known, shape (n, 3), for BRDFs.
 
         One figure for all channels of a value: where models agree by chance in one of them,
-        cameras do not.
+        cameras do not. Of a primary that the light lacks nothing is told: both the value and what
+        is true are between black and the reference (JCGM 100:2008, 4.3.7).
         """
         apart = self.relative(value) @ (self.by_primaries - self.by_channels).T
+        if self.lacking.any():
+            to_srgb = np.linalg.inv(self.space_from_srgb)
+            untold = self.lacking * (to_srgb @ self.known) / np.sqrt(3.0)
+            variance = (_CHANNELS_ALONE * apart @ to_srgb.T) ** 2 + untold**2
+            return np.asarray(np.sqrt(variance @ self.space_from_srgb.T**2))
         rms = np.sqrt((apart**2).mean(axis=-1, keepdims=True))
         return np.broadcast_to(MODEL_SHARE * rms, value.shape)
 
@@ -83,8 +101,8 @@ class Balance:
         # each primary is divided by what the white's rates say of it
         primaries = relative @ (to_srgb @ self.by_primaries).T
         second = self.space_from_srgb @ (shares * primaries[..., None])
-        lit = self.by_primaries is not self.by_channels
-        return np.asarray((PRIMARIES - 1.0) * first - PRIMARIES * second if lit else -first)
+        weight = self._weight if self.by_primaries is not self.by_channels else 0.0
+        return np.asarray((weight - 1.0) * first - weight * second)
 
 
 def balance(coloring: Coloring, rate: Array, known: Array) -> Balance:
@@ -101,23 +119,17 @@ def balance(coloring: Coloring, rate: Array, known: Array) -> Balance:
     """
     channels = coloring.camera_from_space @ known
     by_channels = np.linalg.inv(coloring.camera_from_space) * channels
-    by_primaries = _by_primaries(coloring, rate, known)
-    return Balance(
-        by_channels,
-        by_channels if by_primaries is None else by_primaries,
-        coloring.space_from_srgb,
-        known,
-        channels,
-    )
+    plain = Balance(by_channels, by_channels, coloring.space_from_srgb, known, channels)
+    return plain if coloring.neutral is None else _with_primaries(plain, coloring, rate)
 
 
-def _by_primaries(coloring: Coloring, rate: Array, known: Array) -> Array | None:
-    """Return the matrix of the second model; None where the light's color is not told."""
-    if coloring.neutral is None:
-        return None
+def _with_primaries(plain: Balance, coloring: Coloring, rate: Array) -> Balance:
+    """Return a balance with the second model, where the light's color is told."""
     to_srgb = np.linalg.inv(coloring.space_from_srgb)
     unmix = to_srgb @ np.linalg.inv(coloring.camera_from_space) / coloring.neutral
-    light = unmix @ rate / (to_srgb @ known)
-    if not (light > 0).all():
-        return None
-    return np.asarray(coloring.space_from_srgb @ (unmix * rate / light[:, None]))
+    light = unmix @ rate / (to_srgb @ plain.known)
+    there = light > 0
+    by_primaries = to_srgb @ plain.by_channels
+    by_primaries[there] = (unmix * rate)[there] / light[there, None]
+    by_primaries = coloring.space_from_srgb @ by_primaries
+    return replace(plain, by_primaries=by_primaries, lacking=~there)

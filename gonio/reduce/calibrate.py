@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from gonio.rig import Rig
 
 _DEFAULT = Wanted()
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,11 @@ def calibrate(
     gain = correction.gain or transfer.gain
     reference = coloring.shown(reference_material(rig))
     response = respond(by_the_unhidden(readings), gain, reference, coloring)
+    if response.balance.lacking.any():
+        _log.warning(
+            "the lamps' light lacks what the camera's matrix was made for, so that sigma takes "
+            "a primary for not told; shoot a chart under these lamps (gonio color)"
+        )
     budget = Budget(rig, reference, response, correction.doubt, coloring)
     return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
 
