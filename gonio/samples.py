@@ -65,7 +65,7 @@ class Samples:
         What the channels are, such as "linear sRGB".
     color_made_by
         What the camera's channels became it by: `chart` (then `provenance` has its hash),
-        `ColorMatrix1` of the frames, `none`; empty where unknown.
+        the frames' own matrix, such as `ColorMatrix1`, `none`; empty where unknown.
     provenance
         SHA-256 hashes of what the samples were made from, by name.
     patch_mm

@@ -73,7 +73,7 @@ _OF_TEXELS = frozenset(
     "--space",
     type=click.Choice(["linear-srgb", "xyz", "acescg", "camera"]),
     help="Color space of the values: linear sRGB, XYZ or ACEScg by the color file or else the "
-    "frames' ColorMatrix1, or the camera's own channels, white-balanced.  [default: that of the "
+    "frames' own matrix, or the camera's own channels, white-balanced.  [default: that of the "
     "samples that are there, or else linear-srgb]",
 )
 @click.option(
@@ -81,7 +81,7 @@ _OF_TEXELS = frozenset(
     "color_path",
     type=click.Path(path_type=Path),
     help="The camera's matrix as gonio color found it; the session keeps a copy and is reduced by "
-    "it from then on.  [default: the one it keeps, or else the frames' ColorMatrix1]",
+    "it from then on.  [default: the one it keeps, or else the frames' own matrix]",
 )
 @click.option("--btf", is_flag=True, help="Make btf.zarr instead: a picture for each pair.")
 @click.option(

@@ -33,13 +33,13 @@ CHOICES: Final = (*SPACES, "camera")
 def camera_from_srgb(color_matrix: Sequence[float]) -> NDArray[np.float64]:
     """Return the matrix, shape (3, 3), from linear sRGB to white-balanced camera RGB.
 
-    It is ColorMatrix1 x `XYZ_FROM_SRGB` with each row scaled to a sum of one, so that a grey has
+    It is the file's matrix x `XYZ_FROM_SRGB`, each row scaled to a sum of one, so that a grey has
     equal channels on both sides.
 
     Parameters
     ----------
     color_matrix
-        ColorMatrix1, XYZ to camera, nine numbers row by row.
+        XYZ under D65 to camera, nine numbers row by row.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def camera_from_srgb(color_matrix: Sequence[float]) -> NDArray[np.float64]:
     """
     if not color_matrix:
         raise BadInputError(
-            "the frames state no ColorMatrix1, so nothing tells their colors; give the file that "
+            "the frames state no color matrix, so nothing tells their colors; give the file that "
             "gonio color makes of a chart with --color, or keep to --space camera"
         )
     camera = np.reshape(color_matrix, (3, 3)) @ XYZ_FROM_SRGB
@@ -57,7 +57,7 @@ def camera_from_srgb(color_matrix: Sequence[float]) -> NDArray[np.float64]:
     # past a hundred, noise would drown every color
     if not (np.isfinite(balanced).all() and np.linalg.cond(balanced) < 100.0):
         raise BadInputError(
-            "the frames' ColorMatrix1 does not tell colors apart; set the camera's matrix in its "
+            "the frames' color matrix does not tell colors apart; set the camera's matrix in its "
             "DNG files"
         )
     return balanced
@@ -80,7 +80,7 @@ class Coloring:
     space
         As files state it.
     made_by
-        `chart`, `ColorMatrix1` or, of the camera's own channels, `none`.
+        `chart`, the frames' own, such as `ColorMatrix1`, or, of the camera's channels, `none`.
     camera_from_space, space_from_srgb
         Between white-balanced camera RGB, the space and linear sRGB, shape (3, 3).
     channels
@@ -146,7 +146,7 @@ class Wanted:
         to_camera = camera_from_srgb(sensor.color_matrix)
         unbalanced = np.reshape(sensor.color_matrix, (3, 3)) @ XYZ_FROM_SRGB
         neutral = unbalanced.sum(axis=1) if sensor.scaled else None
-        return self._in_space(to_camera, "ColorMatrix1", neutral)
+        return self._in_space(to_camera, sensor.matrix_name, neutral)
 
     def _by_chart(self, sensor: Sensor) -> Coloring:
         assert self.chart is not None

@@ -175,5 +175,5 @@ class Frames:
         if self._sensor is None:
             self._sensor = sensor
         if sensor != self._sensor:
-            problem = "differs from the first frame in filter pattern, levels, ISO or ColorMatrix1"
+            problem = "differs from the first frame in filter pattern, levels, ISO or color matrix"
             raise BadFileError(path, problem, "take all frames with one camera at one setting")

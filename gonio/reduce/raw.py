@@ -13,6 +13,7 @@ import numpy as np
 from gonio.calibration import CameraIdentity
 from gonio.errors import BadFileError
 from gonio.files import sha256_bytes
+from gonio.reduce.file_matrix import FileMatrix, file_matrix
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 _NOT_OURS: Final = "a DNG as docs/topics/reduction.md describes it is needed"
 
 _CFA = 32803
-_EXIF, _PHOTOMETRIC, _COLOR_MATRIX_1, _AS_SHOT_NEUTRAL = 34665, 262, 50721, 50728
+_EXIF, _PHOTOMETRIC, _AS_SHOT_NEUTRAL = 34665, 262, 50728
 _MODEL, _SERIAL = 50708, 50735
 SATURATED: Final = 0.98
 """Share of the range from which a pixel counts as saturated: sensors bend before they clip."""
@@ -43,7 +44,9 @@ class Sensor:
     iso
         Sensitivity; None where the file does not say.
     color_matrix
-        ColorMatrix1, XYZ to camera RGB, nine numbers row by row; none where the file has none.
+        XYZ under D65 to camera RGB, nine numbers row by row; none where the file has none.
+    matrix_name
+        Which of the file's matrices that is.
     model
         UniqueCameraModel and, where the file states one, CameraSerialNumber.
     scaled
@@ -58,6 +61,7 @@ class Sensor:
     white: int
     iso: int | None
     color_matrix: tuple[float, ...]
+    matrix_name: str = "ColorMatrix1"
     model: str = ""
     scaled: bool = False
 
@@ -128,6 +132,7 @@ def decode_raw(data: bytes, path: Path, remedy: str) -> RawFrame:
     """
     tags = _tags(data, path, remedy)
     mosaic, pattern, black, white = _decode(data, path, remedy)
+    matrix = file_matrix(tags, path) or FileMatrix((), "none")
     sensor = Sensor(
         width=mosaic.shape[1],
         height=mosaic.shape[0],
@@ -135,7 +140,8 @@ def decode_raw(data: bytes, path: Path, remedy: str) -> RawFrame:
         black=black,
         white=white,
         iso=_iso(tags),
-        color_matrix=_color_matrix(tags, path),
+        color_matrix=matrix.values,
+        matrix_name=matrix.name,
         model=" ".join(str(tags[tag]) for tag in (_MODEL, _SERIAL) if tag in tags),
         scaled=_AS_SHOT_NEUTRAL in tags,
     )
@@ -201,12 +207,3 @@ def _iso(tags: dict[int, Any]) -> int | None:
     exif = tags.get(_EXIF)
     iso = exif.get("ISOSpeedRatings") if isinstance(exif, dict) else None
     return iso if isinstance(iso, int) else None
-
-
-def _color_matrix(tags: dict[int, Any], path: Path) -> tuple[float, ...]:
-    parts = tags.get(_COLOR_MATRIX_1)
-    if parts is None:
-        return ()
-    if not (isinstance(parts, tuple) and len(parts) == 18 and all(parts[1::2])):
-        raise BadFileError(path, "has a ColorMatrix1 that is not 3 x 3", _NOT_OURS)
-    return tuple(float(n) / float(d) for n, d in zip(parts[::2], parts[1::2], strict=True))

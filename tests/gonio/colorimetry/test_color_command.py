@@ -191,7 +191,7 @@ def test_sessions_of_several_sets_of_lamps_make_one_file(lab, session, tmp_path)
 def test_a_camera_without_a_matrix_needs_a_chart_or_keeps_its_own_channels(lab):
     color = ColorFile.load(lab / "color.json", load_rig(lab / "rig.toml"))
     sensor = Sensor(**color.camera.model_dump(), color_matrix=())
-    with pytest.raises(BadInputError, match="state no ColorMatrix1, so nothing tells their colors"):
+    with pytest.raises(BadInputError, match="state no color matrix, so nothing tells their colors"):
         Wanted("xyz").coloring(sensor)
     own = Wanted("camera").coloring(sensor)
     np.testing.assert_allclose(own.white, 1.0, rtol=1e-6)

@@ -211,7 +211,7 @@ def test_the_crosstalk_of_the_twin_is_found_in_its_color_matrix():
     ids=["zero", "singular", "negative", "nan"],
 )
 def test_useless_color_matrices_are_refused(matrix):
-    with pytest.raises(BadInputError, match="ColorMatrix1 does not tell colors apart"):
+    with pytest.raises(BadInputError, match="color matrix does not tell colors apart"):
         camera_from_srgb(tuple(matrix))
 
 

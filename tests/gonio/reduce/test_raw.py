@@ -7,8 +7,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from gonio.color import D65, adaptation
 from gonio.errors import BadFileError
 from gonio.files import sha256_bytes
+from gonio.reduce.file_matrix import file_matrix
 from gonio.reduce.raw import decode_raw, read_vouched
 from sim.dng import dng_bytes
 
@@ -144,3 +146,50 @@ def test_no_header_however_damaged_ends_in_a_traceback(tmp_path_factory, flips):
     path.write_bytes(data)
     with contextlib.suppress(BadFileError):
         assert read_raw(path).exposure_s > 0
+
+
+def rationals(matrix):
+    return tuple(part for value in np.ravel(matrix) for part in (round(1e6 * value), 10**6))
+
+
+A = np.array([0.44757 / 0.40745, 1.0, (1 - 0.44757 - 0.40745) / 0.40745])
+FOR_A = rationals(MATRIX @ adaptation(A, D65))
+FOR_D65 = rationals(MATRIX)
+# matrices by tag with the lights that they were made for, and what says of which one it is
+HELD = {
+    "D65 alone": ({50721: FOR_D65, 50778: 21}, "ColorMatrix1"),
+    "A and D65": ({50721: FOR_A, 50778: 17, 50722: FOR_D65, 50779: 21}, "ColorMatrix2"),
+    "D65 and A": ({50721: FOR_D65, 50778: 21, 50722: FOR_A, 50779: 17}, "ColorMatrix1"),
+    "A alone": ({50721: FOR_A, 50778: 17}, "ColorMatrix1 of illuminant A"),
+    "A, one untold": (
+        {50721: FOR_D65, 50722: FOR_A, 50779: 17},
+        "ColorMatrix2 of illuminant A",
+    ),
+    "untold": ({50721: FOR_D65}, "ColorMatrix1"),
+    "of a flash": ({50721: FOR_D65, 50778: 4}, "ColorMatrix1"),
+}
+
+
+@pytest.mark.parametrize(("tags", "name"), HELD.values(), ids=HELD)
+def test_of_several_matrices_the_one_nearest_to_d65_serves(tags, name):
+    found = file_matrix(tags, None)
+    assert found.name == name
+    np.testing.assert_allclose(np.reshape(found.values, (3, 3)), MATRIX, atol=1e-5)
+
+
+def test_of_two_standard_lights_the_nearer_one_is_taken():
+    found = file_matrix({50721: FOR_A, 50778: 17, 50722: FOR_D65, 50779: 23}, None)
+    assert found.name == "ColorMatrix2 of illuminant D50"
+    white = np.array([0.34567 / 0.35850, 1.0, (1 - 0.34567 - 0.35850) / 0.35850])
+    np.testing.assert_allclose(np.reshape(found.values, (3, 3)) @ D65, MATRIX @ white, rtol=1e-6)
+
+
+def test_a_frame_says_for_which_light_its_matrix_was_made(tmp_path):
+    path, data = tmp_path / "frame.dng", bytearray(dng())
+    # CalibrationIlluminant1, one short
+    at = data.index((50778).to_bytes(2, "little") + b"\x03\x00\x01\x00\x00\x00")
+    data[at + 8] = 17
+    path.write_bytes(data)
+    sensor = read_raw(path).sensor
+    assert sensor.matrix_name == "ColorMatrix1 of illuminant A"
+    np.testing.assert_allclose(np.reshape(sensor.color_matrix, (3, 3)) @ D65, MATRIX @ A, rtol=1e-6)
