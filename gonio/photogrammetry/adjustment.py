@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from gonio.errors import BadInputError
-from gonio.photogrammetry.model import BundleModel
+from gonio.photogrammetry.model import ENCODER_DEG, BundleModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,7 +64,7 @@ def adjust(spec: CameraSpec, views: Sequence[BoardView]) -> Adjustment:
 
     Triggs, McLauchlan, Hartley and Fitzgibbon, *Bundle Adjustment - A Modern Synthesis* (2000). The
     corners' spread is that of the errors themselves, by their median; gross ones count for less
-    than their square.
+    than their square. That of the views' angles is their own, where it is more than expected.
 
     Raises
     ------
@@ -79,10 +79,12 @@ def adjust(spec: CameraSpec, views: Sequence[BoardView]) -> Adjustment:
         )
     model = BundleModel(spec, views)
     # what is open is told before time is lost on it
-    _covariance(_solve(model, model.start, _FIRST_PX, "linear", 1).jac.toarray(), model.names)
-    first = _solve(model, model.start, _FIRST_PX, "linear", _FIRST_STEPS)
+    guess = _FIRST_PX, ENCODER_DEG
+    _covariance(_solve(model, model.start, guess, "linear", 1).jac.toarray(), model.names)
+    first = _solve(model, model.start, guess, "linear", _FIRST_STEPS)
     spread_px = _SD_PER_MAD * float(np.median(np.abs(model.errors_px(first.x))))
-    last = _solve(model, first.x, max(spread_px, _BEST_PX), "soft_l1", _STEPS)
+    spreads = max(spread_px, _BEST_PX), model.play_deg(first.x)
+    last = _solve(model, first.x, spreads, "soft_l1", _STEPS)
     shared = len(model.names)
     return Adjustment(
         state=model.state(last.x),
@@ -95,14 +97,19 @@ def adjust(spec: CameraSpec, views: Sequence[BoardView]) -> Adjustment:
 
 
 def _solve(
-    model: BundleModel, start: NDArray[np.float64], corner_px: float, loss: str, steps: int
+    model: BundleModel,
+    start: NDArray[np.float64],
+    spreads: tuple[float, float],
+    loss: str,
+    steps: int,
 ) -> Any:
+    """Solve by least squares; spreads are of corners in pixels, and of angles in degrees."""
     from scipy.optimize import least_squares
 
     return least_squares(
         model.residuals,
         start,
-        args=(corner_px,),
+        args=spreads,
         jac_sparsity=model.structure(),
         x_scale="jac",
         loss=loss,

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from gonio.rig import CameraSpec
 
 ENCODER_DEG: Final = 0.01
-"""Standard deviation of what an arm truly does about its alignment: play, sag, warmth, noise."""
+"""Standard deviation of what an arm truly does about its alignment: play, sag, warmth, noise.
+
+What is expected at least: views that tell of more are believed.
+"""
 
 INTRINSICS: Final = ("focal_px", "centre_x_px", "centre_y_px")
 DISTORTION: Final = ("k1", "k2", "p1", "p2", "k3")
@@ -91,12 +94,20 @@ class BundleModel:
         seen = camera.project_seen(at * (1.0, -1.0, -1.0))
         return np.asarray(seen - self._pixels)
 
-    def residuals(self, vector: NDArray[np.float64], corner_px: float) -> NDArray[np.float64]:
+    def residuals(
+        self, vector: NDArray[np.float64], corner_px: float, play_deg: float
+    ) -> NDArray[np.float64]:
         """Return errors over what is to be expected of each: corners, views' angles, the lens."""
         corners = self.errors_px(vector).ravel() / corner_px
-        return np.concatenate(
-            [corners, vector[len(self.names) :] / ENCODER_DEG, self._lens(vector)]
-        )
+        return np.concatenate([corners, vector[len(self.names) :] / play_deg, self._lens(vector)])
+
+    def play_deg(self, vector: NDArray[np.float64]) -> float:
+        """Return the standard deviation of the views' angles about the arm's alignment.
+
+        By chi-square over its degrees of freedom, which the alignment's angles take some of.
+        """
+        off_deg, told = vector[len(self.names) :], sum(name.endswith("_deg") for name in ARM)
+        return max(ENCODER_DEG, float(np.sqrt(off_deg @ off_deg / (len(off_deg) - told))))
 
     def structure(self) -> csr_matrix:
         """Return where the Jacobian of the residuals is not 0."""

@@ -51,6 +51,16 @@ def test_what_was_put_in_is_found_within_its_uncertainty(known, true):
     assert np.sqrt(np.mean(found.errors_px**2)) == pytest.approx(0.02, rel=0.05)
 
 
+def test_an_arm_with_more_play_than_expected_leaves_more_uncertain():
+    scores = []
+    for seed in range(3):
+        found = adjust(FINE, corners_seen(FINE, MISALIGNED, off_deg=0.05, seed=seed))
+        sigma = np.sqrt(np.diag(found.covariance))
+        scores.append((found.values - truth_of(FINE, MISALIGNED)) / sigma)
+    assert 0.5 < np.sqrt(np.mean(np.square(scores))) < 1.4
+    assert np.abs(scores).max() < 4.0
+
+
 def test_one_in_fifty_corners_may_be_anywhere():
     views = corners_seen(FINE, MISALIGNED)
     random = np.random.default_rng(1)
