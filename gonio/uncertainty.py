@@ -38,6 +38,7 @@ COMPONENTS: Final = (
     Component("white", True, "noise and flux of the white frames"),
     Component("calibration", True, "flat field, linearity and lamps as gonio calibrate found them"),
     Component("color", True, "the light's color, the camera's matrix, and what lamps drift"),
+    Component("shutter", True, "how long the shutter is open, exposure by exposure"),
     Component("flux", False, "the lamps' flux monitor, frame by frame"),
     Component("angle", True, "zero of each axis, through the slope of the BRDF and the cosine"),
     Component("alignment", True, "tilt and height of the sample, and of the reference"),
@@ -58,6 +59,8 @@ class Uncertainty(Document):
         Of the white reference's BRDF, relative.
     flux_monitor
         Of the lamps' measured flux from frame to frame, relative.
+    shutter
+        Of the times of exposure that files state, each exposure's by itself, relative.
     lamp_color
         By how much lamps' colors change against each other, relative, for each unit of relative
         change of their flux since the white frames.
@@ -75,6 +78,7 @@ class Uncertainty(Document):
 
     reference: Relative = 0.0
     flux_monitor: Relative = 0.0
+    shutter: Relative = Field(default=0.0, exclude_if=lambda it: not it)
     lamp_color: Annotated[float, within(0, 5)] = Field(default=0.0, exclude_if=lambda it: not it)
     angle_deg: Annotated[float, within(0, 1)] = 0.0
     tilt_deg: Annotated[float, within(0, 1)] = 0.0

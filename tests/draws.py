@@ -84,6 +84,7 @@ class Errors:
     height_mm: dict
     black_dn: float
     stray_light: float
+    shutter: dict = field(default_factory=dict)
 
     @classmethod
     def draw(cls, rig, random):
@@ -96,6 +97,9 @@ class Errors:
             height_mm={h: stated.height_mm * random.normal() for h in holders},
             black_dn=stated.black_level_dn * random.normal(),
             stray_light=max(rig.camera.stray_light + stated.stray_light * random.normal(), 0.0),
+            shutter={s: stated.shutter * random.normal() for s in rig.camera.exposures_s}
+            if stated.shutter
+            else {},
         )
 
     def true_poses(self, holder, light, view, distance_mm):
@@ -148,6 +152,8 @@ class DrawnFrames:
         monitor = 1.0 + self.rig.uncertainty.flux_monitor * self.random.normal()
         # a reference that is brighter than stated looks as if more light fell on it
         scale = 1.0 + self.errors.reference if role == "white" else 1.0
+        # a shutter that is open for longer than it says lets more light in
+        scale *= 1.0 + self.errors.shutter.get(exposure_s, 0.0)
         self._taken += 1
         data = self._camera.frame(
             holder=holder, view=view, light=light, flux=flux * monitor * scale * nearer,

@@ -84,6 +84,7 @@ class Budget:
             "white": np.hypot(causes.white_noise(), white_flux),
             "calibration": causes.calibration(),
             "color": self._color(causes),
+            "shutter": stated.shutter * causes.shutter(),
             "flux": stated.flux_monitor * flux,
             "angle": angle,
             "alignment": alignment,

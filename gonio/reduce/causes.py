@@ -83,6 +83,22 @@ class Causes:
         of_samples = self.response.in_space(self._of_samples["spread"] * self.camera)
         return np.abs(of_samples), float(self._of_white["spread"].max())
 
+    def shutter(self) -> Array:
+        """Return what a relative error of one in each exposure's time does, shape (n, 3).
+
+        Frames of one exposure err alike, so what samples and white frames both weigh cancels.
+        """
+        times = {r.exposure_s for each in (*self.brackets, self._whites) for r in each}
+        squares = np.zeros(self.value.shape)
+        for time in sorted(times):
+            of_samples = [
+                _of_time(time, *pair) for pair in zip(self.rates, self.brackets, strict=True)
+            ]
+            of_white = _of_time(time, self.response.rate, self._whites)
+            shifted = self.response.in_space(np.array(of_samples) * self.camera)
+            squares += (shifted + self._by_white(of_white)) ** 2
+        return np.sqrt(squares)
+
     def fading(self) -> Array:
         """Return how far the lamps' flux is from that of the white frames, relative, shape (n,).
 
@@ -149,6 +165,11 @@ class Causes:
     @cached_property
     def _of_white(self) -> dict[str, Array]:
         return _effects(self.response.rate, self.response.readings)
+
+
+def _of_time(time: float, rate: Rate, bracket: Sequence[Reading]) -> Array:
+    """Return the weight of all readings of one time of exposure, shape (3,)."""
+    return rate.weights[[reading.exposure_s == time for reading in bracket]].sum(axis=0)
 
 
 def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:

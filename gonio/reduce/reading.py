@@ -64,6 +64,8 @@ class Reading:
         In sr.
     hidden
         Share of the frame's pixels that are saturated; 0 where nothing tells of stray light.
+    exposure_s
+        What the shutter was asked for.
     flux
         Of lamps 1 to 11, shape (11,).
     as_read
@@ -83,6 +85,7 @@ class Reading:
     arms_rad: NDArray[np.float64]
     light_solid_angle: float
     view_solid_angle: float
+    exposure_s: float = 1.0
     flux: NDArray[np.float64] = field(default_factory=lambda: np.ones(11))
     as_read: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     hidden: float = 0.0
@@ -145,6 +148,7 @@ def take_reading(
         arms_rad=np.array([a for arm in (frame.light, frame.view) for a in (arm.theta, arm.phi)]),
         light_solid_angle=source.solid_angle,
         view_solid_angle=patch.solid_angle,
+        exposure_s=frame.record.exposure_s,
         flux=np.asarray(flux, np.float64),
         as_read=patch.mean(as_read),
     )

@@ -28,7 +28,7 @@ UNLIKELY: Final = 4.0
 """Number of standard deviations by which they may; only of what does not cancel in them."""
 
 # what all shots share and what yet errs otherwise where light and view are exchanged
-_BY_DIRECTIONS: Final = ("dark", "calibration", "angle", "alignment", "stray")
+_BY_DIRECTIONS: Final = ("dark", "calibration", "shutter", "angle", "alignment", "stray")
 
 
 class Direction(NamedTuple):
