@@ -95,7 +95,7 @@ class Summary:
     @property
     def error(self) -> Errors | None:
         """The error that is quoted, where the truth is known."""
-        return self.against_truth and self.against_truth.quoted
+        return None if self.against_truth is None else self.against_truth.quoted
 
     @property
     def share(self) -> float:
