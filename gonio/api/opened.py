@@ -50,6 +50,8 @@ class Opened:
         What was measured, of a session.
     truth
         What the twin carried, of a simulated session; with white as `table` has it.
+    source
+        What a person typed to have it, where somebody did.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Opened:
     model: Path | None = None
     samples: Samples | None = None
     truth: Opened | None = None
+    source: str = ""
 
     @cached_property
     def table(self) -> MeasuredTable:
@@ -70,8 +73,10 @@ class Opened:
 
 
 def distinct(opened: Sequence[Opened]) -> list[Opened]:
-    """Tell those of one name apart, as a rule by their place in the row."""
-    names = told_apart([one.name for one in opened])
+    """Tell those of one name apart: by what was typed for them, then by their place in the row."""
+    given = [one.name for one in opened]
+    typed = [one.source or one.name if given.count(one.name) > 1 else one.name for one in opened]
+    names = told_apart(typed)
     return [replace(one, name=name) for one, name in zip(opened, names, strict=True)]
 
 
@@ -91,9 +96,9 @@ def open_material(source: str) -> Opened:
         For an unknown name.
     """
     path = Path(source)
-    if path.is_dir() and not (path / _CARD).is_file():
-        return _of_session(path)
-    return _shown(source_named(source))
+    is_session = path.is_dir() and not (path / _CARD).is_file()
+    opened = _of_session(path) if is_session else _shown(source_named(source))
+    return replace(opened, source=source.rstrip("/") or source)
 
 
 def source_named(name: str) -> Source:

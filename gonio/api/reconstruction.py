@@ -112,6 +112,8 @@ class Reconstruction:
             self.following.tell(
                 f"{several(suspect, 'suspect shot')} left out (gonio capture --retake)"
             )
+        if (folder / "model.json").is_file():
+            self.following.tell(f"{folder}: the model of before is replaced")
         began = time.perf_counter()
         with self.following.bars("training") as progress:
             estimate = self.recipe.fit(trusted, progress)

@@ -51,11 +51,17 @@ def command(*, what: str, name: str, output: Path | None, isotropic: bool) -> No
         gonio export table.npz --to klems
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
     from gonio.api.opened import source_named
-    from gonio.cli._console import console, progress_bar
+    from gonio.cli._console import console, note, progress_bar
     from gonio.exchange import export, format_named
+    from gonio.report.gridded import is_slow
 
     format_ = format_named(name)
     source = source_named(what)
+    if is_slow(source.material):
+        note(
+            f"{source.name} is a posterior, exact and slow to evaluate: a fine format takes hours; "
+            "a network, as gonio reconstruct makes it by default, takes seconds"
+        )
     if isotropic:
         source = source.averaged()
     with progress_bar(f"writing {format_.name}") as progress:

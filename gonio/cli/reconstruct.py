@@ -120,8 +120,6 @@ def command(
 
 
 def _show(made: Reconstructed) -> None:
-    from dataclasses import asdict
-
     from gonio.cli._console import console
     from gonio.words import duration
 
@@ -133,4 +131,4 @@ def _show(made: Reconstructed) -> None:
     console.print(f"report: {made.report}")
     compared = [each.model_dump() for each in made.compared]
     found = {"model": made.model, "report": made.report, "compared": compared}
-    answer({**found, **asdict(made.summary), "share": made.summary.share})
+    answer({**found, **made.summary.document()})

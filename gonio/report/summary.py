@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from gonio.directions import paper_directions
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -26,13 +27,41 @@ GRID_PAIRS = len(paper_directions()) ** 2
 _SAME = np.radians(0.1)
 
 
-@dataclass(frozen=True)
-class Row:
-    """One comparison, in both metrics (see `nnbrdf.metrics`)."""
+class Errors(NamedTuple):
+    """How far one is from another, in both metrics (see `nnbrdf.metrics`)."""
 
-    name: str
     eps8: float
     male: float
+
+
+@dataclass(frozen=True)
+class Against:
+    """Errors against the truth.
+
+    Attributes
+    ----------
+    quoted
+        Of the model, or the median of its members where there are several.
+    delivered
+        Of the model.
+    channels
+        Of the model, channel by channel.
+    members
+        How many networks, one of which is the model.
+    """
+
+    quoted: Errors
+    delivered: Errors
+    channels: Mapping[str, Errors]
+    members: int = 1
+
+    def rows(self) -> list[tuple[str, Errors]]:
+        """Return them as a person reads them, the quoted one first."""
+        channels = [(f"  channel {name}", errors) for name, errors in self.channels.items()]
+        if self.members == 1:
+            return [("error", self.quoted), *channels]
+        median = f"error (median of {self.members} networks)"
+        return [(median, self.quoted), ("delivered network", self.delivered), *channels]
 
 
 @dataclass(frozen=True)
@@ -42,9 +71,7 @@ class Summary:
     Attributes
     ----------
     against_truth
-        First the error that is quoted: of the model, or the median of the members where there are
-        several, then the delivered one's; then channel by channel. Empty where the truth is not
-        known.
+        None where the truth is not known.
     residual
         Of the model at the samples, with the samples' white.
     coverage
@@ -58,28 +85,45 @@ class Summary:
         as in the full set.
     """
 
-    against_truth: tuple[Row, ...]
-    residual: Row
+    against_truth: Against | None
+    residual: Errors
     coverage: float | None
     weights: int
     shots: int
     pairs: int
 
     @property
-    def error(self) -> Row | None:
+    def error(self) -> Errors | None:
         """The error that is quoted, where the truth is known."""
-        return self.against_truth[0] if self.against_truth else None
+        return None if self.against_truth is None else self.against_truth.quoted
 
     @property
     def share(self) -> float:
         """Number of different pairs over the 6561 of the full set."""
         return self.pairs / GRID_PAIRS
 
+    def document(self) -> dict[str, Any]:
+        """Return it as JSON has it."""
+        told = self.against_truth
+        return {
+            "error": told and told.quoted._asdict(),
+            "members": told and told.members,
+            "delivered": told and told.delivered._asdict(),
+            "channels": told and {name: each._asdict() for name, each in told.channels.items()},
+            "residual": self.residual._asdict(),
+            "coverage": self.coverage,
+            "weights": self.weights,
+            "shots": self.shots,
+            "pairs": self.pairs,
+            "share": self.share,
+        }
+
     def rows(self) -> list[tuple[str, str, str]]:
         """Return name, eps8 and male as a person reads them, for terminal and page."""
-        rows = [(row.name, f"{row.eps8:.2f}", f"{row.male:.3f}") for row in self.against_truth]
-        residual = (self.residual.name, f"{self.residual.eps8:.2f}", f"{self.residual.male:.3f}")
-        return [*(rows or [("error", NOT_KNOWN, "")]), residual]
+        against = self.against_truth.rows() if self.against_truth else []
+        told = [*against, ("residual at the samples", self.residual)]
+        rows = [(name, f"{errors.eps8:.2f}", f"{errors.male:.3f}") for name, errors in told]
+        return rows if against else [("error", NOT_KNOWN, ""), *rows]
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what else is to be known, for terminal and page."""
@@ -126,7 +170,7 @@ def summarize(model: Path, samples: Samples, truth: MeasuredTable | None) -> Sum
     from nnbrdf.load import load_model
 
     estimate = load_model(model)
-    against, coverage = ((), None) if truth is None else _against_truth(estimate, truth)
+    against, coverage = (None, None) if truth is None else _against_truth(estimate, truth)
     return Summary(
         against_truth=against,
         residual=_residual(estimate, samples),
@@ -147,50 +191,42 @@ def _different_pairs(samples: Samples) -> int:
     return len(pairs) - len(np.unique(near[:, 1]))
 
 
-def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[tuple[Row, ...], float]:
-    """Return the errors, the quoted one first, and the share of the truth within the bands."""
+def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[Against, float]:
+    """Return the errors, and the share of the truth within the bands."""
+    from nnbrdf.metrics import eps8_per_channel, male_per_channel
+
     # once: of some models it takes seconds
     grid = estimate.grid()
     coverage = float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
-    rows = _rows(grid["values"].astype(np.float64), true)
-    return (_quoted(estimate, rows, true), coverage)
+    values, pair = grid["values"].astype(np.float64), (true.values, true.white)
+    each = zip(eps8_per_channel(values, *pair), male_per_channel(values, *pair), strict=True)
+    channels = {name: Errors(float(e), float(m)) for name, (e, m) in zip("rgb", each, strict=True)}
+    delivered = _errors(values, *pair)
+    members = _member_errors(estimate, true)
+    if not members:
+        return (Against(delivered, delivered, channels), coverage)
+    median = Errors(*(float(each) for each in np.median(members, axis=0)))
+    return (Against(median, delivered, channels, len(members)), coverage)
 
 
-def _rows(values: NDArray[np.float64], true: MeasuredTable) -> tuple[Row, ...]:
-    from nnbrdf.metrics import eps8, eps8_per_channel, male, male_per_channel
-
-    pair = (true.values, true.white)
-    channels = zip(
-        "rgb", eps8_per_channel(values, *pair), male_per_channel(values, *pair), strict=True
-    )
-    rows = (Row(f"  channel {name}", float(e), float(m)) for name, e, m in channels)
-    return (Row("error", eps8(values, *pair), male(values, *pair)), *rows)
-
-
-def _quoted(estimate: Model, rows: tuple[Row, ...], true: MeasuredTable) -> tuple[Row, ...]:
-    """Put the median of the members first, where there are several."""
-    from nnbrdf.metrics import eps8, male
+def _member_errors(estimate: Model, true: MeasuredTable) -> list[Errors]:
+    """Return the errors of each network, where there are several to choose from."""
     from nnbrdf.model import NNBRDF
 
     if not isinstance(estimate, NNBRDF):
-        return rows
-    pair, members = (true.values, true.white), member_grids(estimate)
-    median = Row(
-        f"error (median of {len(members)} networks)",
-        float(np.median([eps8(member, *pair) for member in members])),
-        float(np.median([male(member, *pair) for member in members])),
-    )
-    return (median, replace(rows[0], name="delivered network"), *rows[1:])
+        return []
+    return [_errors(member, true.values, true.white) for member in member_grids(estimate)]
 
 
-def _residual(estimate: Model, samples: Samples) -> Row:
+def _errors(told: NDArray[np.float64], true: NDArray[np.float64], white: float) -> Errors:
     from nnbrdf.metrics import eps8, male
 
+    return Errors(eps8(told, true, white), male(told, true, white))
+
+
+def _residual(estimate: Model, samples: Samples) -> Errors:
     # noise may be below zero, where male has no logarithm
-    measured = samples.value.clip(0.0)
-    told = at_samples(estimate, samples)
-    name = "residual at the samples"
-    return Row(name, eps8(told, measured, samples.white), male(told, measured, samples.white))
+    return _errors(at_samples(estimate, samples), samples.value.clip(0.0), samples.white)
 
 
 def member_grids(estimate: NNBRDF) -> NDArray[np.float64]:

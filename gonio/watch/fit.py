@@ -76,7 +76,7 @@ class RunningFit:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="fit", daemon=True)
         self.last: Fit | None = None
-        self.note = ""
+        self.note = f"An estimate begins with {_least()} shots."
 
     def start(self) -> None:
         """Begin."""
@@ -96,6 +96,8 @@ class RunningFit:
             ready = self._ready
             if len(ready) < max(_least(), _GROWTH * tried):
                 continue
+            if not tried:
+                self.note = f"The first estimate, of {len(ready)} shots, is being made."
             tried, began = len(ready), time.perf_counter()
             try:
                 self.last, self.note = self._fit(ready), ""

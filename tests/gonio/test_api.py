@@ -76,7 +76,7 @@ def test_the_command_line_comes_to_the_same_to_the_bit(gonio, tmp_path, monkeypa
     assert samples.summary().items() <= told.items()
     assert np.array_equal(api.Session.open("cli").samples.sigma, samples.sigma)
     told = answer(gonio("reconstruct", "cli", "--steps", 2000, "--json"))
-    assert told["against_truth"][0]["eps8"] == material.compare(material.truth).eps8
+    assert told["error"]["eps8"] == material.compare(material.truth).eps8
     assert same("model/weights.safetensors")
     session.extend(shots=4)
     told = answer(gonio("plan", "--continue", "cli", "--shots", 4, "--json"))

@@ -11,8 +11,11 @@ from gonio.exchange import Source, export, format_named, tensor_tree
 from gonio.exchange.plain_csv import write as write_csv
 from gonio.materials import MeasuredTable
 from nnbrdf.metrics import eps8
+from nnbrdf.posterior_model import PriorEstimator
+from nnbrdf.prior import MaterialPrior
 from sim.materials import load_material
 from tests.gonio.exchange.networks import taught
+from tests.gonio.report.conftest import make_measured
 
 
 def run(*arguments):
@@ -122,3 +125,12 @@ def test_what_is_not_read_back_says_so(here):
     ran = run("export", "leather", "--to", "glsl")
     assert "not read back: gonio does not read glsl" in ran.output
     assert "c, mitsuba) are not read back" in " ".join(run("export", "--help").output.split())
+
+
+def test_of_a_posterior_it_is_told_that_it_takes_long(here):
+    session, samples = make_measured(here / "session", truth=False)
+    PriorEstimator(prior=MaterialPrior.generate(examples=60)).fit(samples).save(session.model)
+    told = "session is a posterior, exact and slow to evaluate"
+    assert told in " ".join(run("export", "session", "--to", "csv").output.split())
+    taught().save(here / "network")
+    assert "posterior" not in run("export", "network", "--to", "csv").output

@@ -76,7 +76,7 @@ def test_with_a_truth_all_samples_are_told_and_the_grid_is_the_judge(measure):
     # the model of the fixture was made by this estimator
     same = Trial.of(samples, truth).enter("same", PaperEstimator(hidden=(4,), epochs=3))
     summary = summarize(session.model, samples, truth)
-    delivered = next(row for row in summary.against_truth if row.name == "delivered network")
+    delivered = summary.against_truth.delivered
     assert (same.eps8, same.male) == pytest.approx((delivered.eps8, delivered.male), rel=1e-4)
     assert same.weights == summary.weights
 

@@ -33,12 +33,12 @@ def test_errors_are_those_of_the_definitions(measure):
     with np.load(session.truth_path) as truth, np.load(session.model / "grid.npz") as grid:
         true, white = truth["values"], float(truth["white"])
         values, lo, hi = (grid[name].astype(float) for name in ("values", "lo", "hi"))
-    delivered = summary.against_truth[1]
+    delivered = summary.against_truth.delivered
     assert delivered.eps8 == pytest.approx(eps8(values, true, white), rel=1e-6)
     assert delivered.male == pytest.approx(male(values, true, white), rel=1e-6)
-    for index, channel in enumerate(summary.against_truth[2:]):
+    for index, (name, channel) in enumerate(summary.against_truth.channels.items()):
         pair = values[..., index], true[..., index], white
-        assert channel.name.strip() == f"channel {'rgb'[index]}"
+        assert name == "rgb"[index]
         assert channel.eps8 == pytest.approx(eps8(*pair), rel=1e-6)
         assert channel.male == pytest.approx(male(*pair), rel=1e-6)
     assert summary.coverage == pytest.approx(np.mean((true >= lo) & (true <= hi)), abs=1e-4)
@@ -70,7 +70,7 @@ def test_the_residual_needs_no_truth(measure, channels):
     pair = told, np.maximum(samples.value, 0), 4 * np.median(samples.value)
     assert summary.residual.eps8 == pytest.approx(eps8(*pair))
     assert summary.residual.male == pytest.approx(male(*pair))
-    assert summary.against_truth == ()
+    assert summary.against_truth is None
     assert (summary.error, summary.coverage) == (None, None)
     assert (summary.shots, summary.share) == (16, 16 / 6561)
     assert summary.weights == 6 * 4 + 4 + 4 * len(channels) + len(channels)
@@ -112,9 +112,10 @@ def test_the_table_says_what_the_summary_says(measure):
     session, samples = measure()
     summary = summarize(session.model, samples, truth_of(session))
     text = printed(summary)
-    for row in (*summary.against_truth, summary.residual):
-        assert f"{row.eps8:.2f}" in text
-        assert f"{row.male:.3f}" in text
+    for name, errors in (*summary.against_truth.rows(), ("residual at", summary.residual)):
+        assert name.strip() in text
+        assert f"{errors.eps8:.2f}" in text
+        assert f"{errors.male:.3f}" in text
     assert "0.244 % of 6561 pairs" in text
 
 

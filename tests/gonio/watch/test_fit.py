@@ -22,5 +22,9 @@ def test_what_fails_is_told_and_tried_again_with_more(monkeypatch):
     monkeypatch.setattr(fit, "_fit", estimate)
     fit.offer(range(100))
     fit._run()
-    assert notes == ["", "the estimate failed (ValueError: singular)", "dark"]
+    assert notes == [
+        "The first estimate, of 100 shots, is being made.",
+        "the estimate failed (ValueError: singular)",
+        "dark",
+    ]
     assert (fit.last, fit.note) == (5, "")
