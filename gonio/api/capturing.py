@@ -112,6 +112,7 @@ class CaptureRequest:
         """
         from gonio.api.beginning import Carried, begun
         from gonio.api.calibration import asked_for
+        from gonio.api.twin import unstated
 
         wish = self._checked(resume=False)
         faults = self._faults()
@@ -123,6 +124,8 @@ class CaptureRequest:
             self.output, self.plan, self.rig_path, carried, self._notes(carried), goal,
             calibration, tell,
         )  # fmt: skip
+        if carried and (said := unstated(carried.settings.imperfections, session.rig())):
+            tell(said)
         return Ready(session, carried.settings if carried else None, faults, goal)
 
     def resume(self, *, retake: bool = False) -> Ready:

@@ -76,6 +76,25 @@ class TwinSettings(Document):
         return cls(material=name, sha256=_digest(name), seed=seed, imperfections=less_than_ideal)
 
 
+def unstated(imperfections: Imperfections, rig: Rig) -> str:
+    """Return what is not ideal about a twin and leaves sigma too small, as its rig file is silent.
+
+    Empty where nothing is.
+    """
+    uncertainty = rig.uncertainty
+    colors = imperfections.lamp_red_per_c or imperfections.lamp_blue_per_c
+    bends = imperfections.arm_sag_urad or imperfections.arm_expansion_urad_k
+    silent = [
+        ("its lamps change color ([lamps] warm_up_s, [uncertainty] lamp_color)",
+         colors and not uncertainty.lamp_color),
+        ("its arms bend ([uncertainty] angle_deg)", bends and not uncertainty.angle_deg),
+    ]  # fmt: skip
+    told = " and ".join(words for words, is_so in silent if is_so)
+    return (
+        f"the twin is less than its rig file states: {told}; sigma leaves that out" if told else ""
+    )
+
+
 def twin_identity(seed: int, imperfections: Imperfections) -> TwinIdentity:
     """Return which simulated sensor a seed and imperfections make."""
     sizes = imperfections.of_camera.model_dump(mode="json")

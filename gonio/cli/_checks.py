@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 def tell_checks(session: Session) -> None:
     """Print a line for each check, and how to take again what failed."""
+    from rich.markup import escape
     from rich.table import Table
 
     from gonio.checks import Checks
@@ -17,9 +18,10 @@ def tell_checks(session: Session) -> None:
     from gonio.words import several
 
     checks = Checks.load(session.checks_path)
+    # [lamps] names a part of a file, and no style
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for each in checks.checks:
-        table.add_row(each.verdict, each.name, each.line)
+        table.add_row(each.verdict, each.name, escape(each.line))
     console.print(table)
     if checks.suspects:
         count = several(len(checks.suspects), "shot")

@@ -13,7 +13,7 @@ from gonio.cli._imperfections import imperfections_option
 from gonio.cli._json import answer, answers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from rich.table import Table
 
@@ -82,9 +82,16 @@ def command(
     console.print(f"wrote {output}, sha256 {document.sha256}; look at {output / PAGE_NAME}")
     for note in _notes(document):
         click.echo(f"note: {note}")
-    console.print("next: " + shlex.join(["gonio", "capture", "--calibration", str(output)]))
+    same = {"--rig": rig_path, "--seed": seed, "--imperfections": imperfections}
+    console.print(f"next: {_next(same, output, sim=sim)}", markup=False)
     found = document.model_dump(mode="json", exclude={"schema_"})
     answer({"folder": output, "sha256": document.sha256, **found})
+
+
+def _next(options: Mapping[str, object], output: Path, *, sim: bool) -> str:
+    """Return the command that measures with the calibration, on the same rig or twin."""
+    given = [str(word) for pair in options.items() if pair[1] is not None for word in pair]
+    return shlex.join(["gonio", "capture", *["--sim"] * sim, *given, "--calibration", str(output)])
 
 
 def _calibrated(rig: Rig, twin: tuple[int, str] | None, output: Path) -> CalibrationDocument:

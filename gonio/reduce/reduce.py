@@ -101,7 +101,8 @@ def reduce_session(
         _judged(rows, samples, calibration.coloring),
         left_out,
         records,
-        calibration.gain,
+        calibration,
+        rig,
         provenance["frames"],
     )
     samples = _suspected(samples, {suspect.shot for suspect in checks.suspects})

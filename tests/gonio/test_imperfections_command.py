@@ -24,6 +24,8 @@ def test_an_imperfect_twin_takes_a_session_of_its_own(gonio, tmp_path):
         extra = ("--imperfections", *options) if options else ()
         ran = gonio("capture", "--sim", "-o", name, *extra)
         assert (ran.returncode, ran.stderr) == (0, "")
+        assert ("its arms bend ([uncertainty] angle_deg)" in ran.stdout) == (name == "loose")
+        assert "change color" not in ran.stdout
     frames = [
         sorted((tmp_path / name / "raw").rglob("*.dng")) for name in ("ideal", "named", "loose")
     ]

@@ -6,7 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from gonio.checks import Check, Checks, Suspect
-from gonio.reduce.checks import drift, energy, frames, pairs
+from gonio.reduce.checks import drift, energy, frames, light, pairs
 from gonio.reduce.checks.seen import Seen
 from gonio.reduce.provenance import newest_of_shot
 from gonio.reduce.reading import UnlitError
@@ -17,14 +17,17 @@ if TYPE_CHECKING:
 
     from gonio.errors import BadInputError
     from gonio.journal import FrameRecord
+    from gonio.reduce.calibrate import Calibration
     from gonio.reduce.checks.seen import Measured
+    from gonio.rig import Rig
 
 
 def run_checks(
     rows: Sequence[Measured],
     left_out: Mapping[int, BadInputError],
     records: Sequence[FrameRecord],
-    gain: float,
+    calibration: Calibration,
+    rig: Rig,
     made_from: str,
 ) -> Checks:
     """Put every question to a session.
@@ -37,8 +40,10 @@ def run_checks(
         Why there is none of the others, by shot.
     records
         The journal's frames, oldest first.
-    gain
-        Raw units per electron.
+    calibration
+        What dark and white frames told.
+    rig
+        What the rig file states.
     made_from
         SHA-256 of the frames.
     """
@@ -49,7 +54,10 @@ def run_checks(
         for index, error in left_out.items()
         if isinstance(error, UnlitError)
     }
-    checks = _checks(seen, gain, list(unlit), sorted(left_out.keys() - unlit.keys()))
+    checks = (
+        *_checks(seen, calibration.gain, list(unlit), sorted(left_out.keys() - unlit.keys())),
+        light.warmth(seen, calibration.response.readings, rig.uncertainty.lamp_color),
+    )
     taken_as = {each.index: each.records for each in seen} | unlit
     return Checks(frames=made_from, checks=checks, suspects=_suspects(checks, taken_as))
 

@@ -117,3 +117,9 @@ def test_bad_input_is_one_line(gonio, bench, options, says):
     assert done.returncode == 2
     assert says in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_what_comes_next_is_on_the_same_twin(bench):
+    last = (bench / "calibrate.txt").read_text().strip().splitlines()[-1]
+    twin = "--sim --rig rig.toml --imperfections worse.toml"
+    assert last == f"next: gonio capture {twin} --calibration calibration"

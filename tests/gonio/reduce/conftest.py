@@ -112,13 +112,13 @@ class Photographer:
 
     def take(
         self, role, pose, exposure_s, *, index=0, repeat=0, attempt=1, lamps=range(1, 12),
-        change=None,
+        change=None, brightness=1.0,
     ):  # fmt: skip
         """Take and journal a frame; `change` alters the file's content before it is hashed."""
         # lamps warm up and fade, each a little differently
         flux = np.zeros(11)
         lit = [n - 1 for n in lamps]
-        flux[lit] = np.round(0.97 + 0.02 * self._random.random(len(lit)), 5)
+        flux[lit] = np.round(brightness * (0.97 + 0.02 * self._random.random(len(lit))), 5)
         angles = {name: self._encoder_deg(name, pose[name]) for name in AXES}
         name = f"{role}_{index:06d}_{exposure_s:g}_r{repeat}_a{attempt}.dng"
         data = self.camera.frame(

@@ -177,3 +177,21 @@ def test_what_all_shots_share_hides_no_change(photographer):
     # so many pixels that their noise hides nothing either
     _, checks = reduced(shots, "--patch-mm", "20")
     assert failing(checks) == {"repeats", "drift"}
+
+
+STATED = "\n[uncertainty]\nlamp_color = 0.3\n"
+
+
+@pytest.mark.parametrize(
+    ("brightness", "stated", "verdict"), [(1.0, "", "ok"), (0.95, "", "-"), (0.95, STATED, "ok")]
+)
+def test_lamps_that_were_warmer_than_for_the_white(photographer, brightness, stated, verdict):
+    rig_text = default_rig_text() + stated
+    shots = photographer(AROUND[:5], GREY, exposures_s=(0.2,), rig_text=rig_text).calibrate()
+    shots.shoot(brightness=brightness)
+    _, checks = reduced(shots)
+    warmth = checks["warmth"]
+    assert warmth.verdict == verdict
+    off = float(warmth.found.removeprefix("the lamps' flux is ").split("%")[0])
+    assert off == pytest.approx(100 * abs(np.log(brightness)), abs=0.7)
+    assert ("[lamps] warm_up_s" in warmth.remedy) == (verdict == "-")
