@@ -169,7 +169,8 @@ class Causes:
 
 def _of_time(time: float, rate: Rate, bracket: Sequence[Reading]) -> Array:
     """Return the weight of all readings of one time of exposure, shape (3,)."""
-    return rate.weights[[reading.exposure_s == time for reading in bracket]].sum(axis=0)
+    of_it = [reading.exposure_s == time for reading in bracket]
+    return np.asarray(rate.weights[of_it].sum(axis=0))
 
 
 def _bending(doubt: Doubt, rate: Rate, bracket: Sequence[Reading]) -> Array:
