@@ -20,6 +20,8 @@ DEFAULT_MAX_AGE_DAYS: Final = 30.0
 
 _REMEDY = "calibrate anew with: gonio calibrate"
 _DAY_S = 86400.0
+# clocks of two machines may differ by so many days
+_MOST_AHEAD_DAYS = 1.0
 
 
 def load_calibration(folder: Path, *, whole: bool = True) -> CalibrationDocument:
@@ -92,7 +94,13 @@ def check_usable(
             f"{_named(twin)}); calibrate this one with gonio calibrate"
         )
     age_days = (now - document.made_utc).total_seconds() / _DAY_S
-    if age_days > max_age_days:
+    if age_days < -_MOST_AHEAD_DAYS:
+        raise BadInputError(
+            f"{folder}: is dated {-age_days:.1f} days after now; set the clock right, or calibrate "
+            "anew with gonio calibrate"
+        )
+    # a number that is none allows nothing
+    if not age_days <= max_age_days:
         raise BadInputError(
             f"{folder}: is {age_days:.1f} days old, and {max_age_days:g} are allowed; calibrate "
             "anew with gonio calibrate, or allow more with --max-age"

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _BLOCK = 1 << 20
 _ROOM_BYTES = 1 << 24
+# how every file of SQLite begins
+_SQLITE = b"SQLite format 3\0"
 
 
 def canonical_json(value: Any) -> bytes:
@@ -68,6 +70,7 @@ def write_with(path: Path, write: Callable[[Path], None]) -> None:
     """
     if path.exists() and not path.is_file():
         raise StorageError(f"{path}: is there and is no file; give another name")
+    _refuse_journal(path)
     aside = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -80,6 +83,17 @@ def write_with(path: Path, write: Callable[[Path], None]) -> None:
     finally:
         with contextlib.suppress(OSError):
             aside.unlink(missing_ok=True)
+
+
+def _refuse_journal(path: Path) -> None:
+    """Refuse to put something in the place of a journal, without which a session is lost."""
+    try:
+        with path.open("rb") as there:
+            is_journal = there.read(len(_SQLITE)) == _SQLITE
+    except OSError:
+        return
+    if is_journal:
+        raise StorageError(f"{path}: is the journal of a session; give another name")
 
 
 def write_bytes(path: Path, data: bytes) -> None:

@@ -49,6 +49,9 @@ def new_folder(root: Path, remedy: str) -> Iterator[Path]:
             _move(folder, root, remedy)
     except OSError as error:
         raise StorageError.from_os(root, error) from error
+    except KeyboardInterrupt as stop:
+        stop.args = stop.args or (f"nothing of {root} is kept",)
+        raise
 
 
 def _move(aside: Path, root: Path, remedy: str) -> None:

@@ -140,8 +140,13 @@ class CaptureRequest:
         from gonio.api.rehearsal import check_begun_so
         from gonio.api.resuming import resumed
         from gonio.capture.retake import flagged
+        from gonio.errors import BadInputError
         from gonio.session import Session
 
+        if retake and self.adaptive:
+            raise BadInputError(
+                "--retake takes flagged shots again and chooses no others; leave out --adaptive"
+            )
         wish = self._checked(resume=True)
         faults = self._faults()
         asked_for(self.calibration_path, self.max_age_days, resume=True)

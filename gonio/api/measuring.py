@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def driven(session: Session, twin: TwinSettings | None, faults: Sequence[Fault])
 def measure(session: Session, driven: Driven, following: Following) -> Measured:
     """Take every frame that is missing, with the rig that `driven` connects to."""
     from gonio.capture import Capture
+    from gonio.reduce.camera_check import check_camera
     from gonio.wishes import heeding
 
     began = time.perf_counter()
@@ -56,7 +58,8 @@ def measure(session: Session, driven: Driven, following: Following) -> Measured:
     ):
         start_s = instrument.clock.now()
         with following.meeting(journal), following.using(journal):
-            frames = Capture(session, instrument, operator, journal).run(progress)
+            judge = partial(check_camera, session, journal)
+            frames = Capture(session, instrument, operator, journal, judge).run(progress)
         took_s = instrument.clock.now() - start_s
         wall_s = time.perf_counter() - began
         if frames:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ def measure_adaptively(session: Session, driven: Driven, goal: Goal, following: 
     from gonio.api.reduction import reduced
     from gonio.api.timing import timing_for
     from gonio.capture import Capture
+    from gonio.reduce.camera_check import check_camera
     from gonio.wishes import heeding
 
     watch = Watch(session, material_prior(goal.prior_path))
@@ -102,7 +104,8 @@ def measure_adaptively(session: Session, driven: Driven, goal: Goal, following: 
 
         def capture() -> None:
             with following.meeting(journal), following.bars("capturing") as progress:
-                Capture(session, instrument, operator, journal).run(progress)
+                judge = partial(check_camera, session, journal)
+                Capture(session, instrument, operator, journal, judge).run(progress)
 
         def reduce() -> Samples:
             return reduced(session, following.bars)

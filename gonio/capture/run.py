@@ -50,15 +50,23 @@ class Capture:
         What to drive, and who lays sample and reference under the camera.
     journal
         The session's journal.
+    judge
+        Called once dark and white frames are there; what it raises ends the run before any shot.
     """
 
     def __init__(
-        self, session: Session, instrument: Instrument, operator: Operator, journal: Journal
+        self,
+        session: Session,
+        instrument: Instrument,
+        operator: Operator,
+        journal: Journal,
+        judge: Callable[[], None] = lambda: None,
     ) -> None:
         self._session = session
         self._instrument = instrument
         self._operator = operator
         self._journal = journal
+        self._judge = judge
         self._chain = session.chain()
         self._rig = session.rig()
         self._lighting = Lighting(instrument.lamps, self._rig.lamps, instrument.clock)
@@ -117,6 +125,7 @@ class Capture:
             if dark or white:
                 self._place("reference")
                 self._persist(taker, self._calibration_left, self._calibrations)
+            self._judge()
             self._place("sample")
             self._persist(taker, self._shots_left, self._shots)
         self._note_end("finished")

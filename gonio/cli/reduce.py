@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from gonio.samples import Samples
+    from gonio.session import Session
 
 
 _OF_TEXELS = frozenset(
@@ -152,6 +153,7 @@ def command(
     if table is None and quantity != "brdf":
         raise BadInputError(f"--quantity {quantity} is of a table; name one with --csv FILE")
     session = Session.open(root)
+    _check_targets(session, table, radiance)
     began = time.perf_counter()
     with progress_bar("reducing") as progress:
         samples = reduce_anew(
@@ -179,6 +181,19 @@ def command(
             **checks_document(session.checks_path),
         }
     )
+
+
+def _check_targets(session: Session, table: Path | None, radiance: Path | None) -> None:
+    """Refuse to write over what the session is made of, or among it."""
+    from gonio.errors import BadInputError
+
+    root = session.root.resolve()
+    if table is not None and table.exists() and table.suffix.lower() != ".csv":
+        inside = table.resolve().is_relative_to(root)
+        if inside:
+            raise BadInputError(f"{table}: is a file of the session; name another with --csv")
+    if radiance is not None and (radiance.resolve() / "session.json").is_file():
+        raise BadInputError(f"{radiance}: is a session's folder; name one of its own")
 
 
 def _refuse_idle() -> None:

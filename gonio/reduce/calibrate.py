@@ -135,4 +135,9 @@ def _dark_frames(frames: Frames, exposure_s: float) -> list[Frame]:
 
 def _lacking(frames: Frames, role: Role, problem: str) -> BadInputError:
     reasons = frames.problems[role]
-    return BadInputError(f"{problem}{f' ({reasons[0]})' if reasons else ''}; {frames.remedy}")
+    if not reasons:
+        return BadInputError(f"{problem}; {frames.remedy}")
+    # a reason ends with what to do
+    reason = reasons[0].removesuffix(f"; {frames.remedy}")
+    remedy = f"; {frames.remedy}" if reason != reasons[0] else ""
+    return BadInputError(f"{problem} ({reason}){remedy}")

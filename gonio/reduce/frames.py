@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import contextlib
+from collections import Counter, defaultdict
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from gonio.alignment import ALIGNED
 from gonio.errors import BadFileError, BadInputError
 from gonio.geometry import ArmPose
 from gonio.reduce.poses import posed
-from gonio.reduce.raw import decode_raw, read_vouched
+from gonio.reduce.raw import Sensor, decode_raw, read_vouched
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,11 +22,17 @@ if TYPE_CHECKING:
     from gonio.journal import FrameRecord, Role
     from gonio.photogrammetry.geometry_file import Geometry
     from gonio.plan import Shot
-    from gonio.reduce.raw import RawFrame, Sensor
+    from gonio.reduce.raw import RawFrame
     from gonio.rig import CameraSpec
 
 _Place = tuple[str, int, float]
 """Role, shot and exposure asked for."""
+
+_QUORUM: Final = 5
+_CALLED: Final = {
+    "pattern": "filter pattern", "black": "black level", "white": "white level", "iso": "ISO",
+    "color_matrix": "color matrix", "matrix_name": "color matrix",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -92,7 +101,8 @@ class Frames:
         self._geometry = geometry
         self._sensor = sensor
         self._tries: dict[_Place, dict[int, list[FrameRecord]]] = defaultdict(dict)
-        for record in records:
+        self._records = list(records)
+        for record in self._records:
             repeats = self._tries[record.role, record.shot_index, record.exposure_s]
             repeats.setdefault(record.repeat, []).append(record)
         self.problems: dict[Role, list[str]] = {"dark": [], "white": []}
@@ -100,9 +110,15 @@ class Frames:
 
     @property
     def sensor(self) -> Sensor:
-        """What took the frames, known once one is read."""
+        """What took the frames, by most of a few of them; known once one is read."""
         assert self._sensor is not None
         return self._sensor
+
+    def look_over(self) -> None:
+        """Read every dark and white frame, so that `useless` has all that are."""
+        for role, _, exposure_s in list(self._tries):
+            if role in self.problems:
+                self.of_calibration(role, exposure_s)
 
     def of_shot(self, shot: Shot) -> list[Frame]:
         """Return the whole bracket of a shot.
@@ -152,11 +168,12 @@ class Frames:
         data = read_vouched(path, record.sha256, self.remedy)
         try:
             raw = self._decode(data, record, path)
+            self._check_sensor(raw.sensor, path)
         except BadFileError as error:
             self.useless[record.file] = str(error)
             raise
-        # which of two sensors is the wrong one cannot be told: that rejects no frame
-        self._check_sensor(raw.sensor, path)
+        # where most frames have another size, the rig file is wrong, and no frame
+        self._check_size(raw.sensor, path)
         return raw
 
     def _decode(self, data: bytes, record: FrameRecord, path: Path) -> RawFrame:
@@ -168,12 +185,36 @@ class Frames:
         return raw
 
     def _check_sensor(self, sensor: Sensor, path: Path) -> None:
+        if self._sensor is None:
+            self._sensor = self._usual_sensor() or sensor
+        if sensor != self._sensor:
+            problem = f"is unlike most frames: {_difference(sensor, self._sensor)}"
+            raise BadFileError(path, problem, f"set the camera as it was, and {self.remedy}")
+
+    def _check_size(self, sensor: Sensor, path: Path) -> None:
         size, wanted = (sensor.width, sensor.height), (self._spec.width, self._spec.height)
         if size != wanted:
             problem = f"is {size[0]} x {size[1]} px, not {wanted[0]} x {wanted[1]} as in rig.toml"
             raise BadFileError(path, problem, "set [camera] width and height to the camera's")
-        if self._sensor is None:
-            self._sensor = sensor
-        if sensor != self._sensor:
-            problem = "differs from the first frame in filter pattern, levels, ISO or color matrix"
-            raise BadFileError(path, problem, "take all frames with one camera at one setting")
+
+    def _usual_sensor(self) -> Sensor | None:
+        """Return the sensor of most of a few frames, since any single one may be the odd one.
+
+        None where none of them can be read.
+        """
+        places = np.linspace(0, len(self._records) - 1, min(_QUORUM, len(self._records)))
+        seen: Counter[Sensor] = Counter()
+        for place in places.round().astype(int):
+            record = self._records[place]
+            path = self._root / record.file
+            with contextlib.suppress(BadFileError):
+                data = read_vouched(path, record.sha256, self.remedy)
+                seen[self._decode(data, record, path).sensor] += 1
+        return seen.most_common(1)[0][0] if seen else None
+
+
+def _difference(sensor: Sensor, usual: Sensor) -> str:
+    """Name the first thing in which two sensors differ, and both its values."""
+    name = next(f.name for f in fields(Sensor) if getattr(sensor, f.name) != getattr(usual, f.name))
+    here, there = (getattr(each, name) for each in (sensor, usual))
+    return f"its {_CALLED.get(name, name)} is {here}, not {there}"

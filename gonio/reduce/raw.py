@@ -158,13 +158,16 @@ def _tags(data: bytes, path: Path, remedy: str) -> dict[int, Any]:
         with tifffile.TiffFile(io.BytesIO(data)) as tiff:
             page = tiff.pages.first
             tags = {tag.code: tag.value for tag in page.tags.values()}
-            end = max(map(sum, zip(page.dataoffsets, page.databytecounts, strict=True)), default=0)
+            strips = list(zip(page.dataoffsets, page.databytecounts, strict=False))
+            end = max(map(sum, strips), default=0)
     except (
         ValueError, TypeError, LookupError, AttributeError, ArithmeticError, OSError, struct.error,
     ) as error:  # fmt: skip
         raise BadFileError(path, f"is not a DNG ({error})", _NOT_OURS) from None
     if tags.get(_PHOTOMETRIC) != _CFA:
         raise BadFileError(path, "holds no Bayer plane", _NOT_OURS)
+    if not strips:
+        raise BadFileError(path, "does not say where its pixels are", _NOT_OURS)
     if end > len(data):
         raise BadFileError(path, f"is cut short, by {end - len(data)} bytes", remedy)
     return tags

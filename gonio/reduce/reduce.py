@@ -89,6 +89,9 @@ def reduce_session(
     patches = PatchFinder(rig.camera, patch_mm, correction.bad)
     try:
         calibration = calibrate(frames, rig, patches, shot_exposures(records), correction, wanted)
+    except BadInputError:
+        frames.look_over()  # a resume takes all of them again
+        raise
     finally:
         reject(session, frames.useless)
     rows, left_out = measure(shots, frames, patches, rig, calibration, progress)

@@ -1,8 +1,10 @@
+import contextlib
 import errno
 import hashlib
 import json
 import math
 import os
+import sqlite3
 
 import pytest
 from hypothesis import given
@@ -101,6 +103,17 @@ def test_a_folder_in_the_way(tmp_path):
     with pytest.raises(StorageError, match="is there and is no file"):
         write_bytes(tmp_path / "x", b"")
     assert [p.name for p in tmp_path.iterdir()] == ["x"]
+
+
+def test_a_journal_is_never_replaced(tmp_path):
+    path = tmp_path / "journal.sqlite"
+    with contextlib.closing(sqlite3.connect(path)) as journal:
+        journal.execute("CREATE TABLE frames (file)")
+        journal.commit()
+    before = path.read_bytes()
+    with pytest.raises(StorageError, match="is the journal of a session"):
+        write_bytes(path, b"a table")
+    assert path.read_bytes() == before
 
 
 def test_a_file_where_a_folder_should_be(old):

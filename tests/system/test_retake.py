@@ -57,6 +57,9 @@ def test_nothing_is_taken_twice(gonio, session):
     ok(gonio("capture", "--sim", "--retake"))
     again = ok(gonio("capture", "--sim", "--retake"))
     assert "0 flagged shots to take again" in again
+    refused = gonio("capture", "--sim", "--retake", "--adaptive")
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert "leave out --adaptive" in refused.stderr
     assert taken_as(session, 2) == {"000004"}
     assert taken_as(session, 3) == set()
 

@@ -108,6 +108,12 @@ def _old(folder):
     document.model_copy(update={"made_utc": date}).save(folder / "calibration")
 
 
+def _of_tomorrow(folder):
+    document = load_calibration(folder / "calibration")
+    date = datetime(2050, 11, 1, tzinfo=UTC)
+    document.model_copy(update={"made_utc": date}).save(folder / "calibration")
+
+
 def _of_another_rig(folder):
     document = load_calibration(folder / "calibration")
     other = document.model_copy(update={"rig_sha256": "0" * 64})
@@ -129,6 +135,7 @@ def _edited(folder):
 
 REFUSED = {
     "stale": (_old, {}, "days old, and 30 are allowed"),
+    "of tomorrow": (_of_tomorrow, {}, "days after now; set the clock right"),
     "another rig": (_of_another_rig, {}, "was made on another rig"),
     "another camera": (lambda _: None, {"imperfections": "mild"}, "was made with another camera"),
     "changed maps": (_append("maps.npz"), {}, "maps.npz: has changed since the calibration"),
@@ -155,6 +162,8 @@ def test_an_old_one_may_be_allowed(folder, capture):
 
 
 def test_options_that_go_together(gonio, folder, capture):
+    done = capture("--calibration", "calibration", "--max-age", "nan")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     done = capture("--max-age", "3")
     assert done.returncode == 2
     assert "--max-age goes with --calibration" in done.stderr
@@ -165,10 +174,13 @@ def test_options_that_go_together(gonio, folder, capture):
 
 def test_frames_of_another_camera_are_refused(gonio, folder, capture):
     _of_iso_200(folder)
-    assert capture("--calibration", "calibration").returncode == 0
-    done = gonio("reduce", "session", cwd=folder)
+    done = capture("--calibration", "calibration")
     assert done.returncode == 2
     assert "iso 200, and the frames have 100" in done.stderr
+    # a night is not spent on shots of no use
+    assert not list((folder / "session/raw").iterdir())
+    done = gonio("reduce", "session", cwd=folder)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
 
 
 def _of_iso_200(folder):

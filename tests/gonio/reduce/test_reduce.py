@@ -18,7 +18,7 @@ from sim.dng import dng_bytes
 from sim.materials import load_material
 from sim.sensor import CAMERA_FROM_XYZ
 
-from .conftest import SMALL_RIG
+from .conftest import SMALL_RIG, WHITE_DEG
 
 HEMISPHERE = [(light, 20, view, 130) for light in (0, 30, 75) for view in (0, 45, 75)]
 ONE = [(20, 0, 40, 90)]
@@ -212,9 +212,9 @@ class Other:
 TAKEN_BADLY = {
     "truncated": (cut, "is cut short, by 1000 bytes"),
     "a JPEG renamed": (jpeg, "is not a DNG"),
-    "of another size": (Other(size=42), "is 42 x 42 px, not 40 x 40 as in rig.toml"),
-    "of another pattern": (Other(cfa="BGGR"), "differs from the first frame"),
-    "at another ISO": (Other(iso=400), "differs from the first frame"),
+    "of another size": (Other(size=42), "is unlike most frames: its width is 42, not 40"),
+    "of another pattern": (Other(cfa="BGGR"), "is unlike most frames: its filter pattern is BGGR"),
+    "at another ISO": (Other(iso=400), "is unlike most frames: its ISO is 400, not 100"),
     "of another exposure": (Other(exposure_s=0.02), "was open 0.02 s, not the 0.2 s asked for"),
 }
 
@@ -230,6 +230,27 @@ def test_a_shot_that_was_taken_badly_is_left_out(photographer, caplog, change, p
     assert samples.shot_index.tolist() == [0]
     (message,) = caplog.messages
     assert f"1 of 2 shots left out, the first because of {bad}: {problem}" in message
+
+
+def test_a_first_frame_that_is_the_odd_one_goes_alone(photographer, caplog):
+    shots = photographer(TWO, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG)
+    odd = shots.take("dark", WHITE_DEG, 0.2, repeat=9, lamps=(), change=Other(iso=400))
+    shots.calibrate().shoot()
+    assert len(reduce_session(shots.session)) == 2
+    assert f"1 calibration frames left out, the first because of {odd}: is unlike" in caplog.text
+    # so that a resume takes it again
+    rejected = shots.journal.rejected()
+    assert list(rejected) == [str(odd.relative_to(shots.session.root))]
+
+
+def test_a_rig_file_with_another_size_costs_no_frame(photographer):
+    other = SMALL_RIG.replace("width = 40", "width = 44")
+    assert other != SMALL_RIG
+    shots = photographer(ONE, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG).calibrate().shoot()
+    shots.session.rig_path.write_text(other)
+    with pytest.raises(BadInputError, match=r"is 40 x 40 px, not 44 x 40 as in rig\.toml"):
+        reduce_session(shots.session)
+    assert not shots.journal.rejected()
 
 
 def flip_a_bit(path):

@@ -108,3 +108,20 @@ def test_a_quantity_without_a_table_is_refused(shots, gonio):
     refused = gonio("reduce", shots.session.root, "--quantity", "reflectance-factor")
     assert refused.returncode == 2
     assert "name one with --csv FILE" in refused.stderr
+
+
+OWN = {
+    "journal": (("--csv", "journal.sqlite"), "journal.sqlite: is a file of the session"),
+    "frame": (("--csv", "raw/shot_000000_0.2_r0_a1.dng"), "a1.dng: is a file of the session"),
+    "folder": (("--radiance", "."), "is a session's folder; name one of its own"),
+}
+
+
+@pytest.mark.parametrize(("option", "says"), OWN.values(), ids=OWN)
+def test_nothing_is_written_over_the_session(shots, gonio, option, says):
+    root = shots.session.root
+    done = gonio("reduce", root, option[0], root / option[1])
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert says in done.stderr
+    assert gonio("reduce", root, "--csv", root / "table.csv").returncode == 0
+    assert gonio("reduce", root, "--csv", root / "table.csv").returncode == 0
