@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gonio.errors import ResumeRefusedError
+from gonio.directions import from_degrees
+from gonio.errors import BadFileError, ResumeRefusedError
 from gonio.files import sha256_bytes, sha256_file, write_bytes, write_json
 from gonio.materials import MeasuredTable
+from gonio.timemodel import WHITE_POSE_DEG
 from gonio.validation import Document, check, parse_json, read_text
 
 if TYPE_CHECKING:
@@ -30,15 +32,29 @@ def keep_reference(session: Session) -> None:
     Raises
     ------
     gonio.errors.BadFileError
-        When it is missing or no table.
+        When it is missing or no table, or black at the pose of the white frames.
     """
     named = session.rig().holder.reference
     if isinstance(named, str):
-        MeasuredTable.load(named)
+        _check_white(MeasuredTable.load(named), named)
         content = Path(named).read_bytes()
         write_bytes(session.reference_path, content)
         kept = KeptReference(named=named, sha256=sha256_bytes(content))
         write_json(_note(session), kept.model_dump())
+
+
+def _check_white(table: MeasuredTable, named: str) -> None:
+    """Refuse what sends no light to where the white frames are taken from."""
+    light, view = (
+        from_degrees(WHITE_POSE_DEG[f"{side}_theta"], WHITE_POSE_DEG[f"{side}_phi"])
+        for side in ("light", "view")
+    )
+    if not table.evaluate(light, view).min() > 0:
+        raise BadFileError(
+            named,
+            "is black where the white frames are taken from",
+            "name the table of a white reference in [holder] reference",
+        )
 
 
 def kept_reference(session: Session) -> KeptReference | None:

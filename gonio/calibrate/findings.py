@@ -15,6 +15,8 @@ from gonio.calibrate.linearity import fit_linearity
 from gonio.calibrate.scene import WhiteScene
 from gonio.calibrate.transfer import fit_gain, level_of
 from gonio.calibration import LampStrength, TransferPoint
+from gonio.errors import BadInputError
+from gonio.words import several
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,6 +34,8 @@ _GREEN = 1
 _QUANTIZATION = 1.0 / 12.0
 # of linearity and the light's color, each of which tells the other
 _ROUNDS = 4
+# for a variance within a frame
+_FEWEST_PIXELS = 16
 
 
 class Findings:
@@ -79,6 +83,13 @@ class Findings:
         self._dark_bad, _ = find_bad(dark, alike, alike)
         self.patch = scene.patch & ~self._dark_bad
         self._where = [self.patch & (scene.channel == channel) for channel in range(3)]
+        fewest = min(int(where.sum()) for where in self._where)
+        if fewest < _FEWEST_PIXELS:
+            raise BadInputError(
+                f"{several(fewest, 'pixel')} of a color see the middle of the white reference, and "
+                f"{_FEWEST_PIXELS} are needed; use a longer lens, or compare [camera] focal_px and "
+                "distance_m with the rig"
+            )
         self.end = end_of(probes, self._where)
         self._flat = FlatField(rig.camera, scene.channel)
         self._levels: list[list[Level]] = []

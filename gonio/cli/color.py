@@ -99,6 +99,8 @@ def command(
 
 
 def _corners(text: str | None) -> tuple[tuple[float, float], ...] | None:
+    import numpy as np
+
     from gonio.errors import BadInputError
     from gonio.validation import plain_float
 
@@ -108,7 +110,7 @@ def _corners(text: str | None) -> tuple[tuple[float, float], ...] | None:
         pairs = [tuple(map(plain_float, pair.split(","))) for pair in text.split()]
     except ValueError:
         pairs = []
-    if [len(pair) for pair in pairs] != [2] * 4:
+    if [len(pair) for pair in pairs] != [2] * 4 or not np.isfinite(pairs).all():
         raise BadInputError(
             f"--corners {text!r}: four pairs of column and row are needed, such as '25,45 25,155 "
             "91,155 91,45'"

@@ -42,11 +42,13 @@ def command(*, root: Path, output: Path) -> None:
         gonio geometry board/
         gonio reduce session/ --geometry geometry.json
     """  # noqa: D301 - click takes a real backspace as "do not wrap"
-    from gonio.cli._console import console, progress_bar
+    from gonio.cli._console import console, note, progress_bar
     from gonio.photogrammetry.adjustment import adjust
+    from gonio.photogrammetry.detection import LEAST_PX_PER_MODULE
     from gonio.photogrammetry.geometry_file import Geometry
     from gonio.reduce.survey import survey
     from gonio.session import Session
+    from gonio.words import several
 
     session = Session.open(root)
     rig = session.rig()
@@ -57,6 +59,11 @@ def command(*, root: Path, output: Path) -> None:
     true = _true(session)
     console.print(_table(geometry, true))
     console.print(_residuals(geometry, len(views)))
+    if small := len(session.chain().shots) - len(views):
+        note(
+            f"{several(small, 'view')} left out: a module of the board's markers is below "
+            f"{LEAST_PX_PER_MODULE:g} px there"
+        )
     console.print(f"geometry: {output}")
     answer(
         {

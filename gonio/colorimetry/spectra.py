@@ -80,6 +80,9 @@ def _read(path: Path, columns: int) -> NDArray[np.float64]:
     table = table[np.argsort(table[:, 0])]
     if not len(table) or table[0, 0] > 400.0 or table[-1, 0] < 700.0:
         raise BadFileError(path, "does not reach from 400 to 700 nm", _REMEDY)
+    if not np.diff(table[:, 0]).all():
+        twice = table[:-1][np.diff(table[:, 0]) == 0][0, 0]
+        raise BadFileError(path, f"has a wavelength of {twice:g} nm twice", _REMEDY)
     values = np.stack([np.interp(_NM, table[:, 0], each) for each in table[:, 1:].T], axis=-1)
     if not values.max() > 0:
         raise BadFileError(path, "is zero throughout", _REMEDY)

@@ -47,6 +47,9 @@ def _of_session(session: Session | None) -> Iterator[tuple[str, str]]:
 
 def _of_samples(samples: Samples) -> Iterator[tuple[str, str]]:
     for name, digest in samples.provenance.items():
+        # their own file is in the line above
+        if name == "samples":
+            continue
         yield f"samples made from {name}", digest
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import logging
 import os
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from gonio.errors import BadInputError, MissingExtraError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_PATIENCE_S = 15
+PATIENCE_S: Final = 15
+"""How long workers may be silent before they are looked for."""
 
 
 @contextmanager
@@ -43,7 +44,10 @@ def workers(scheduler: str | None) -> Iterator[Any]:
         return
     with (
         distributed.LocalCluster(
-            n_workers=len(os.sched_getaffinity(0)), threads_per_worker=1, dashboard_address=None
+            n_workers=len(os.sched_getaffinity(0)),
+            threads_per_worker=1,
+            # any free port: none at all becomes the usual one, and a warning where that is taken
+            dashboard_address="127.0.0.1:0",
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
@@ -52,13 +56,13 @@ def workers(scheduler: str | None) -> Iterator[Any]:
 
 def _connected(distributed: Any, scheduler: str) -> Any:
     try:
-        client = distributed.Client(scheduler, timeout=_PATIENCE_S)
+        client = distributed.Client(scheduler, timeout=PATIENCE_S)
     except (OSError, ValueError, TimeoutError) as error:
         raise BadInputError(
             f"no Dask scheduler answers at {scheduler} ({error}); start one with: dask scheduler"
         ) from None
     try:
-        client.wait_for_workers(1, timeout=_PATIENCE_S)
+        client.wait_for_workers(1, timeout=PATIENCE_S)
     except TimeoutError:
         client.close()
         raise BadInputError(
@@ -66,3 +70,18 @@ def _connected(distributed: Any, scheduler: str) -> Any:
             f"{scheduler} --nthreads 1"
         ) from None
     return client
+
+
+def check_workers(client: Any) -> None:
+    """Find out whether anybody is left to work.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        When there is nobody.
+    """
+    if not client.nthreads():
+        raise BadInputError(
+            "all workers of the scheduler are gone; start some, and run the command again: it goes "
+            "on where it was"
+        )

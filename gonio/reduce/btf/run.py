@@ -12,10 +12,10 @@ from gonio.errors import StorageError
 from gonio.files import canonical_json, sha256_bytes
 from gonio.photogrammetry.grid import TexelGrid
 from gonio.reduce.btf.block import reduce_block
-from gonio.reduce.btf.cluster import workers
+from gonio.reduce.btf.cluster import PATIENCE_S, check_workers, workers
 from gonio.reduce.btf.job import Job, Maps
 from gonio.reduce.btf.layout import Layout
-from gonio.reduce.btf.store import Btf, btf_path, finish_store
+from gonio.reduce.btf.store import FORMAT, Btf, btf_path, finish_store
 from gonio.reduce.btf.unfinished import already, begin, tidy
 from gonio.reduce.calibrate import calibrate
 from gonio.reduce.color import wanted_in
@@ -123,6 +123,7 @@ def _inputs(session: Session, calibration: Calibration, layout: Layout) -> dict[
     made_from = provenance_of(session, calibration.records)
     pairs = {"lights": layout.lights, "views": layout.views, "files": layout.shards}
     return {
+        "format of files": FORMAT,
         "texels": str(layout.grid.side),
         "color space": calibration.coloring.space,
         "color matrix": sha256_bytes(calibration.coloring.camera_from_space.tobytes()),
@@ -178,12 +179,19 @@ def _done(
 
 
 def _worked(client: Any, job: Job, blocks: Sequence[Block]) -> Iterator[Outcome]:
-    from distributed import as_completed
+    from distributed import wait
 
     # a block that was begun by a worker that died is begun anew by another
-    futures = client.map(partial(reduce_block, job), blocks, pure=False)
-    for future in as_completed(futures):
-        yield future.result()
+    left = client.map(partial(reduce_block, job), blocks, pure=False)
+    while left:
+        try:
+            ended, left = wait(left, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            check_workers(client)
+            continue
+        for future in ended:
+            yield future.result()
+        left = list(left)
 
 
 def _tell(session: Session, opened: Opened, outcomes: Sequence[Outcome]) -> None:

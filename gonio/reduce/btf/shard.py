@@ -1,7 +1,7 @@
 """A file of the array, written picture by picture as it is stored: Zarr's shards, uncompressed.
 
 Zarr would hold the whole file in memory, and takes longer to sort it into squares than all the rest
-of the reduction does (https://zarr-specs.readthedocs.io, codec `sharding_indexed` 1.0).
+of the reduction does (https://zarr-specs.readthedocs.io, codecs `sharding_indexed` and `crc32c`).
 """
 
 from __future__ import annotations
@@ -47,11 +47,16 @@ class Shard:
 
     def put(self, view: int, tiles: NDArray[Any]) -> None:
         """Add a picture, shape (across, across, tile, tile, 3)."""
-        squares = tiles.reshape(self._index.shape[1], -1)
-        size = squares[0].nbytes
+        import google_crc32c
+
+        squares = tiles.reshape(self._index.shape[1], -1).view(np.uint8)
+        # each square with its sum, so that whoever reads it finds a flipped bit
+        sums = np.array([google_crc32c.value(square) for square in squares], "<u4")
+        summed = np.hstack([squares, sums[:, None].view(np.uint8)])
+        size = summed.shape[1]
         self._index[view, :, 0] = self.bytes + size * np.arange(len(squares))
         self._index[view, :, 1] = size
-        self._write(squares.reshape(-1).view(np.uint8))
+        self._write(summed.reshape(-1))
 
     def _write(self, data: NDArray[np.uint8]) -> None:
         import google_crc32c

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from gonio.session import Session
 
 SCHEMA: Final = "gonio.btf/1"
+FORMAT: Final = "crc32c"
+"""What is in each file beside the values: what was interrupted goes on with the same."""
+
 AXES: Final = ("light", "view", "y", "x", "channel")
 PAIRS: Final = ("light", "view", "xyz")
 
@@ -61,11 +64,13 @@ def make_store(path: Path, layout: Layout, maps: Maps) -> None:
         What is known of each pixel.
     """
     group = zarr().open_group(path, mode="w-")
+    from zarr.codecs import Crc32cCodec
+
     for name, dtype in (("value", np.float32), ("sigma", np.float16)):
         # noise does not compress
         group.create_array(
             name, shape=layout.shape, dtype=dtype, chunks=layout.chunks, shards=layout.shards,
-            compressors=None, fill_value=np.nan, dimension_names=AXES,
+            compressors=(Crc32cCodec(),), fill_value=np.nan, dimension_names=AXES,
         )  # fmt: skip
     for side, angles in (("light", layout.lights), ("view", layout.views)):
         theta_deg, phi_deg = np.transpose(angles)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio.errors import BadInputError
+from gonio.errors import BadFileError, BadInputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -90,13 +90,26 @@ class Texels:
         return np.stack([columns, rows, np.zeros_like(rows)], axis=-1).reshape(-1, 3)
 
     def values(self, tile: Tile, pairs: NDArray[np.intp]) -> NDArray[np.float32]:
-        """Return the BRDF of a tile's texels at pairs in order of the light, (pairs, n, 3)."""
+        """Return the BRDF of a tile's texels at pairs in order of the light, (pairs, n, 3).
+
+        Raises
+        ------
+        gonio.errors.BadFileError
+            When a file of the array is not as it was written.
+        """
         array, parts = self.btf.group["value"], []
         # light by light: of pairs chosen freely, few of all combinations are there
         for light in np.unique(pairs[:, 0]).tolist():
             views = pairs[pairs[:, 0] == light, 1]
             lowest = int(views.min())
             span = slice(lowest, int(views.max()) + 1)
-            parts.append(array[light, span, tile.rows, tile.columns][views - lowest])
+            try:
+                parts.append(array[light, span, tile.rows, tile.columns][views - lowest])
+            except ValueError as error:  # a sum that does not fit
+                raise BadFileError(
+                    self.btf.path / "value",
+                    f"has changed since it was written, at light {light} ({error})",
+                    "make it again with: gonio reduce --btf --anew",
+                ) from None
         found: NDArray[np.float32] = np.concatenate(parts)
         return found.reshape(len(pairs), -1, 3)

@@ -35,6 +35,7 @@ def test_greys_are_grey_under_every_lamp_and_a_warm_one_moves_colors(tmp_path):
     [
         ("nm,power\n400,1\n700,1\n", "has no columns wavelength_nm and 1 more"),
         ("wavelength_nm,power\n400,1\n600,1\n", "does not reach from 400 to 700 nm"),
+        ("wavelength_nm,power\n400,1\n700,1\n400,2\n", "a wavelength of 400 nm twice"),
         ("wavelength_nm,power\n400,1\n550,x\n700,1\n", "line 3: holds what is no number"),
         ("wavelength_nm,power\n400,1\n550,-1\n700,1\n", "line 3: 2 numbers of at least zero"),
         ("wavelength_nm,power\n400,0\n700,0\n", "is zero throughout"),

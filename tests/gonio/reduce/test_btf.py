@@ -122,7 +122,7 @@ def test_it_is_read_through_dask(root):
 @pytest.mark.usefixtures("reduced")
 def test_a_cluster_whose_worker_is_killed_midway_gives_the_same(root, tmp_path):
     alone = {name: Btf.open(Session(root)).group[name][...] for name in ("value", "sigma")}
-    frame = sorted((root / "raw").iterdir())[-1]
+    frame = sorted((root / "raw").iterdir())[-2]
     kept = frame.rename(tmp_path / frame.name)
     # whoever opens it waits here, in the middle of a block
     os.mkfifo(frame)
@@ -140,12 +140,32 @@ def test_a_cluster_whose_worker_is_killed_midway_gives_the_same(root, tmp_path):
         assert np.array_equal(Btf.open(Session(root)).group[name][...], values, equal_nan=True)
 
 
+@pytest.mark.slow
+def test_a_cluster_that_lost_all_its_workers_is_not_waited_for(root, tmp_path):
+    shutil.copytree(root, tmp_path / "session")
+    frame = sorted((tmp_path / "session/raw").iterdir())[-2]
+    kept = frame.rename(tmp_path / frame.name)
+    os.mkfifo(frame)
+    command = [*REDUCE, "--anew", "--scheduler"]
+    with (
+        dask_workers(1) as (address, (worker,)),
+        subprocess.Popen(
+            [*command, address, tmp_path / "session"], stderr=subprocess.PIPE, text=True
+        ) as reducing,
+    ):
+        with frame.open("wb"):
+            kept.replace(frame)
+            worker.kill()
+        assert reducing.wait(timeout=60) == 2
+        assert "all workers of the scheduler are gone" in reducing.stderr.read()
+
+
 @pytest.mark.usefixtures("reduced")
 def test_what_was_killed_goes_on_where_it_was(root, gonio, tmp_path):
     killed = Path(shutil.copytree(root, tmp_path / "session"))
     alone = {name: Btf.open(Session(root)).group[name][...] for name in ("value", "sigma")}
     shutil.rmtree(killed / "btf.zarr")
-    frame = sorted((killed / "raw").iterdir())[-1]
+    frame = sorted((killed / "raw").iterdir())[-2]
     kept = frame.rename(tmp_path / frame.name)
     os.mkfifo(frame)
     command = [sys.executable, "-c", ONE_CORE, "reduce", "--btf", "--texels", str(TEXELS), killed]
@@ -192,7 +212,7 @@ def test_what_was_left_out_is_said_and_empty(root, gonio, tmp_path):
     ],
 )
 def test_what_makes_no_sense_ends_in_one_line(root, options, said, monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE_S", 0.5)
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
     refused = CliRunner().invoke(command, [str(root), *options])
     assert said in f"{refused.exception} {refused.output}"
     assert isinstance(refused.exception, BadInputError | SystemExit)

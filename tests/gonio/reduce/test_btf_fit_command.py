@@ -39,3 +39,14 @@ def test_the_middle_is_fitted_and_a_picture_relit(photographer, gonio):
     too_large = gonio("btf", "fit", "--side", 1000, root)
     assert too_large.returncode == 2
     assert "use 1 to 140" in too_large.stderr
+
+    for path in (root / "btf.zarr/value/c").rglob("*"):
+        if path.is_file():
+            content = bytearray(path.read_bytes())
+            # one bit of each square, and none of the index at the end
+            for place in range(100, len(content) - 10_000, 10_000):
+                content[place] ^= 0x40
+            path.write_bytes(content)
+    flipped = gonio("btf", "fit", "--side", SIDE, "--steps", 60, root)
+    assert (flipped.returncode, flipped.stderr.count("\n")) == (2, 1)
+    assert "btf.zarr/value: has changed since it was written" in flipped.stderr
