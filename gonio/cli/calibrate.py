@@ -80,7 +80,7 @@ def command(
     twin = (seed or 0, imperfections or "none") if sim else None
     document = _calibrated(rig, twin, output)
     console.print(f"wrote {output}, sha256 {document.sha256}; look at {output / PAGE_NAME}")
-    for note in _notes(document):
+    for note in notes_of(document):
         click.echo(f"note: {note}")
     same = {"--rig": rig_path, "--seed": seed, "--imperfections": imperfections}
     console.print(f"next: {_next(same, output, sim=sim)}", markup=False)
@@ -120,7 +120,7 @@ def _calibrated(rig: Rig, twin: tuple[int, str] | None, output: Path) -> Calibra
         return seal(document, folder)
 
 
-def _notes(document: CalibrationDocument) -> Iterator[str]:
+def notes_of(document: CalibrationDocument) -> Iterator[str]:
     """Yield what the exposures of the rig file left open."""
     free = [point.signal for point in document.transfer if not point.saturated]
     brightest = max(free) / document.linearity.raw_range

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from gonio.reduce.reading import Reading
     from gonio.reduce.white import Response
     from gonio.rig import Rig
+
+WHITE_MM: Final = 40.0
+"""Side of the square of the white reference that counts at least, with a flat field."""
 
 _DEFAULT = Wanted()
 
@@ -88,6 +91,8 @@ def calibrate(
     records: list[FrameRecord] = []
     readings: list[Reading] = []
     transfer = PhotonTransfer()
+    # the more pixels the less noise, and all samples share what there is
+    whites = patches.at_least(WHITE_MM) if correction.even else patches
     # exposure by exposure, so that large frames are not all held at once
     for exposure_s in exposures_s:
         dark_frames = _dark_frames(frames, exposure_s)
@@ -96,7 +101,7 @@ def calibrate(
         dark = darks[exposure_s] = correction.dark(_mosaics(dark_frames), exposure_s)
         if correction.gain is None:
             transfer.add(_mosaics(white_frames), dark, frames.sensor.saturation)
-        readings += _alike([take_reading(f, dark, patches, rig, correction) for f in white_frames])
+        readings += _alike([take_reading(f, dark, whites, rig, correction) for f in white_frames])
         records += [frame.record for frame in (*dark_frames, *white_frames)]
     if not readings:
         raise _lacking(frames, "white", "there is no valid white frame")

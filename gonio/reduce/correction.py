@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
@@ -32,6 +32,10 @@ class Correction(Protocol):
     @property
     def bad(self) -> NDArray[np.bool_] | None:
         """Pixels to leave out, shape (height, width); None: nobody knows."""
+
+    @property
+    def even(self) -> bool:
+        """Whether each pixel's response is known, so that any pixel serves for any other."""
 
     @property
     def gain(self) -> float | None:
@@ -76,6 +80,7 @@ class Uncorrected:
     """Takes the sensor as it is: dark frames off, and nothing else."""
 
     bad = None
+    even = False
     gain = None
     linearity = None
     stray_light = 0.0
@@ -131,6 +136,7 @@ class Calibrated:
     rate: NDArray[np.float64]
     answer: NDArray[np.float64]
     bad: NDArray[np.bool_]
+    even: ClassVar[bool] = True
 
     @classmethod
     def load(cls, folder: Path) -> Calibrated:

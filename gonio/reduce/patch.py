@@ -132,9 +132,14 @@ class PatchFinder:
                 f"a patch of {side_mm:g} mm does not fit the sample; use a side above 0 and up to "
                 f"{SAMPLE_SIDE_MM:g} mm"
             )
-        self._spec, self._side_mm, self._bad = spec, side_mm, bad
+        self._spec, self._bad = spec, bad
+        self.side_mm = side_mm
         # the frames of a bracket share a pose
         self.find = lru_cache(maxsize=8)(self._find)
+
+    def at_least(self, side_mm: float) -> PatchFinder:
+        """Return what finds patches that are no smaller than that."""
+        return PatchFinder(self._spec, max(self.side_mm, side_mm), self._bad)
 
     def _find(self, pose: ArmPose, sensor: Sensor) -> Patch:
         """Return the patch.
@@ -147,7 +152,7 @@ class PatchFinder:
         left, top, window = self._window(pose)
         points = Camera(window).plane_points(pose)
         # a ray that misses the plane is NaN, which is inside nothing
-        inside = (np.abs(points) <= self._side_mm / 2.0).all(axis=-1)
+        inside = (np.abs(points) <= self.side_mm / 2.0).all(axis=-1)
         if self._bad is not None:
             inside &= ~self._bad[top : top + window.height, left : left + window.width]
         rows, columns = np.nonzero(inside)
@@ -155,7 +160,7 @@ class PatchFinder:
         if len(np.unique(channel)) < 3:
             raise BadInputError(
                 f"the camera at {np.degrees(pose.theta):.1f} deg sees the patch of "
-                f"{self._side_mm:g} mm with too few pixels; use a larger --patch-mm"
+                f"{self.side_mm:g} mm with too few pixels; use a larger --patch-mm"
             )
         points = points[inside]
         eye = pose.place(_MM_PER_M * self._spec.distance_m)
@@ -165,12 +170,12 @@ class PatchFinder:
             channel=channel,
             points_mm=points,
             view=normalize(normalize(eye - points).mean(axis=0)),
-            solid_angle=self._side_mm**2 * np.cos(pose.theta) / (eye @ eye),
+            solid_angle=self.side_mm**2 * np.cos(pose.theta) / (eye @ eye),
         )
 
     def _window(self, pose: ArmPose) -> tuple[int, int, CameraSpec]:
         """Return the left column, top row and camera of the part of the picture that matters."""
-        half = self._side_mm / 2.0
+        half = self.side_mm / 2.0
         # with the middles of the sides, which distortion may push out beyond the corners
         steps = (-half, 0.0, half)
         square = [(x, y, 0.0) for x in steps for y in steps]

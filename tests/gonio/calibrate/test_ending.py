@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gonio.calibrate.ending import end_of
+from gonio.cli.calibrate import notes_of
 from nnbrdf.analytic import Lambert
 from sim import sensor
 from tests.calibrated_draws import calibrated_samples, imperfect_rig
@@ -44,6 +45,7 @@ def test_where_nothing_overexposes_the_file_is_believed_and_it_is_said():
     _, _, correction = calibrated_samples("mild", BRIGHT, np.random.default_rng(3), rig=rig)
     assert not correction.document.end_seen
     assert correction.document.saturation == pytest.approx(sensor.BLACK_LEVEL + 0.98 * RANGE)
+    assert any("taken to end at WhiteLevel" in note for note in notes_of(correction.document))
 
 
 @pytest.mark.parametrize("spread_e", [0.0, 300.0], ids=["alike", "each its own"])
