@@ -75,8 +75,16 @@ class Opened:
 def distinct(opened: Sequence[Opened]) -> list[Opened]:
     """Tell those of one name apart: by what was typed for them, then by their place in the row."""
     given = [one.name for one in opened]
-    typed = [one.source or one.name if given.count(one.name) > 1 else one.name for one in opened]
-    names = told_apart(typed)
+    parts = [Path(one.source or one.name).parts for one in opened]
+    for length in range(1, max(map(len, parts)) + 1):
+        # the shortest ends of paths that differ
+        names = [
+            "/".join(path[-length:]) if given.count(name) > 1 else name
+            for name, path in zip(given, parts, strict=True)
+        ]
+        if len(set(names)) == len(names):
+            break
+    names = told_apart(names)
     return [replace(one, name=name) for one, name in zip(opened, names, strict=True)]
 
 

@@ -38,7 +38,7 @@ _OF_TEXELS = frozenset(
 @click.option(
     "--patch-mm",
     type=float,
-    default=5.0,
+    default=10.0,
     show_default=True,
     help="Side of the square about the sample's centre that each sample is the mean over.",
 )
@@ -127,7 +127,7 @@ def command(
     \b
     Examples:
         gonio reduce session/
-        gonio reduce session/ --patch-mm 10
+        gonio reduce session/ --patch-mm 20
         gonio reduce session/ --csv factors.csv --quantity reflectance-factor
         gonio reduce session/ --radiance light/
         gonio reduce session/ --geometry geometry.json

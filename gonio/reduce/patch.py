@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from gonio.reduce.raw import Sensor
     from gonio.rig import CameraSpec
 
-PATCH_MM: Final = 5.0
+PATCH_MM: Final = 10.0
 """Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
 _MM_PER_M = 1000.0

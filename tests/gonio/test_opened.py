@@ -9,7 +9,7 @@ from gonio.materials import MeasuredTable
 NAMES = [
     (("monday/wood.npz", "satin"), ["wood", "satin"]),
     (("monday/wood.npz", "tuesday/wood.npz"), ["monday/wood.npz", "tuesday/wood.npz"]),
-    (("satin", "monday/satin.npz"), ["satin", "monday/satin.npz"]),
+    (("satin", "monday/satin.npz"), ["satin", "satin.npz"]),
     (("satin", "satin"), ["satin (1)", "satin (2)"]),
 ]
 

@@ -122,7 +122,7 @@ def test_black_is_faint(photographer):
 
 def test_few_pixels_are_flagged_by_channel(photographer):
     shots = photographer([(0, 0, 75, 0), (0, 0, 0, 0)], GREY, exposures_s=(0.2,))
-    samples = reduce_session(shots.calibrate().shoot().session)
+    samples = reduce_session(shots.calibrate().shoot().session, patch_mm=5)
     assert (samples.flag[0] & Flag.FEW_PIXELS).tolist() == [Flag.FEW_PIXELS, 0, Flag.FEW_PIXELS]
     assert not samples.flag[1].any()
 
@@ -150,7 +150,7 @@ def test_progress_counts_shots(photographer):
 
 def test_a_larger_patch_is_surer(photographer):
     shots = photographer(ONE, GREY, exposures_s=(0.2,)).calibrate().shoot()
-    small = reduce_session(shots.session)
+    small = reduce_session(shots.session, patch_mm=5)
     large = reduce_session(shots.session, patch_mm=20)
     assert (large.sigma < 0.4 * small.sigma).all()
     assert large.view_solid_angle == pytest.approx(16 * small.view_solid_angle)

@@ -50,7 +50,7 @@ def test_a_damaged_session_ends_in_one_line(shots, gonio):
 
 
 def test_the_help_shows_an_example(gonio):
-    assert "\n      gonio reduce session/ --patch-mm 10\n" in gonio("reduce", "--help").stdout
+    assert "\n      gonio reduce session/ --patch-mm 20\n" in gonio("reduce", "--help").stdout
 
 
 def test_no_session(tmp_path, gonio):
@@ -62,11 +62,11 @@ def test_no_session(tmp_path, gonio):
 def test_the_patch_is_an_option(shots):
     runner = CliRunner()
     root = str(shots.session.root)
-    assert runner.invoke(command, [root, "--patch-mm", "10"]).exit_code == 0
+    assert runner.invoke(command, [root, "--patch-mm", "20"]).exit_code == 0
     large = Samples.load(shots.session.samples_path)
     assert runner.invoke(command, [root]).exit_code == 0
     standard = Samples.load(shots.session.samples_path)
-    assert large.view_solid_angle == pytest.approx((10 / PATCH_MM) ** 2 * standard.view_solid_angle)
+    assert large.view_solid_angle == pytest.approx((20 / PATCH_MM) ** 2 * standard.view_solid_angle)
     refused = runner.invoke(command, [root, "--patch-mm", "0"])
     assert isinstance(refused.exception, BadInputError)
 

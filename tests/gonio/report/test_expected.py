@@ -7,7 +7,7 @@ from gonio.checks import Check
 from gonio.report.captured import Captured
 from gonio.report.expected import expected_of, log_deviation, relative_sigma
 from gonio.report.headline import headline
-from gonio.report.summary import Row, Summary
+from gonio.report.summary import Against, Errors, Summary
 
 WHITE = 0.8
 Z95 = 1.6448536269514722
@@ -47,7 +47,7 @@ def test_relative_sigma_counts_a_hundredth_of_white():
 OK = Check(name="drift", ok=True, found="none", limit="1 %")
 BAD = Check(name="reciprocity", ok=False, found="5 %", limit="1 %")
 NOTHING = Check(name="anchors", ok=True, found="none there", limit="", asked=False)
-RESIDUAL = Row("residual at the samples", 2.0, 0.03)
+RESIDUAL = Errors(2.0, 0.03)
 CAPTURED = Captured("2026-01-01", 2280.0, "", "", None, {}, None)
 VERDICTS = {
     "nothing asked": ((), None),
@@ -57,7 +57,8 @@ VERDICTS = {
 
 
 def shown(*, truth=False, captured=None, checks=()):
-    against = (Row("error", 5.234, 0.0741),) if truth else ()
+    error = Errors(5.234, 0.0741)
+    against = Against(error, error, {}) if truth else None
     summary = Summary(against, RESIDUAL, 0.93 if truth else None, 1262, 196, 196)
     figures = headline(summary, expected_of(grid_of(0.1), WHITE), captured, checks)
     return {each.name: each for each in figures}
