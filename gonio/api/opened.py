@@ -84,7 +84,8 @@ def distinct(opened: Sequence[Opened]) -> list[Opened]:
         ]
         if len(set(names)) == len(names):
             break
-    names = told_apart(names)
+    else:
+        names = told_apart(given)
     return [replace(one, name=name) for one, name in zip(opened, names, strict=True)]
 
 

@@ -79,7 +79,7 @@ class Instrument:
         troubles, meanwhile = Troubles(), MeanwhileClock(clock)
         arm = Arm(bus, rig, clock, troubles, meanwhile)
         # whoever waits long, for lamps or files, has the drives hear that the host lives
-        waiting = AttendedClock(meanwhile, arm.attend)
+        waiting = AttendedClock(meanwhile, arm.try_to_attend)
         lamps = LampHead(line, rig, waiting, troubles)
         camera: Camera = (
             TetheredCamera(files, lamps, rig, waiting, troubles)

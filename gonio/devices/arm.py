@@ -187,6 +187,10 @@ class Arm:
         """Let the drives' watchdogs hear that the host lives (errors as for `enable`)."""
         self._each(AxisDrive.attend)
 
+    def try_to_attend(self) -> None:
+        """Do so once, amid a wait for others: a drive that is gone is met by who next needs it."""
+        self._each(AxisDrive.try_to_attend)
+
     def try_to_stop(self) -> None:
         """Send every axis its quick stop at once and only once, and wait for none."""
         self._each(AxisDrive.try_to_stop)

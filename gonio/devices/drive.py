@@ -106,6 +106,10 @@ class Drive:
         """Ask for no more than that the watchdog hears of it."""
         self._registers.read("statusword")
 
+    def try_to_attend(self) -> None:
+        """Ask once, whether or not it answers."""
+        self._registers.try_to_read("statusword")
+
     def try_to_stop(self) -> None:
         """Send a quick stop at once and only once: others wait for theirs."""
         self._registers.try_to_write("controlword", QUICK_STOP)

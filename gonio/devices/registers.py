@@ -85,6 +85,14 @@ class DriveRegisters:
             return False
         return True
 
+    def try_to_read(self, name: str) -> bool:
+        """Read once and return whether that was answered; nothing is asked again."""
+        try:
+            self._words(self._register(name))
+        except DeviceFaultError:
+            return False
+        return True
+
     def _words(self, register: Register) -> list[int]:
         return self._bus.read(self._unit, register.address, register.words)
 

@@ -85,3 +85,22 @@ def check_workers(client: Any) -> None:
             "all workers of the scheduler are gone; start some, and run the command again: it goes "
             "on where it was"
         )
+
+
+def result_of(future: Any) -> Any:
+    """Return what a worker came to.
+
+    Raises
+    ------
+    gonio.errors.BadInputError
+        When the scheduler is gone.
+    """
+    from concurrent.futures import CancelledError
+
+    try:
+        return future.result()
+    except CancelledError:
+        raise BadInputError(
+            "the scheduler is gone; start another, or leave out --scheduler, and run the command "
+            "again: it goes on where it was"
+        ) from None

@@ -12,7 +12,7 @@ from gonio.errors import StorageError
 from gonio.files import canonical_json, sha256_bytes
 from gonio.photogrammetry.grid import TexelGrid
 from gonio.reduce.btf.block import reduce_block
-from gonio.reduce.btf.cluster import PATIENCE_S, check_workers, workers
+from gonio.reduce.btf.cluster import PATIENCE_S, check_workers, result_of, workers
 from gonio.reduce.btf.job import Job, Maps
 from gonio.reduce.btf.layout import Layout
 from gonio.reduce.btf.store import FORMAT, Btf, btf_path, finish_store
@@ -190,7 +190,7 @@ def _worked(client: Any, job: Job, blocks: Sequence[Block]) -> Iterator[Outcome]
             check_workers(client)
             continue
         for future in ended:
-            yield future.result()
+            yield result_of(future)
         left = list(left)
 
 

@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from gonio.devices import AttendedClock
-from gonio.errors import BadInputError, DeviceFaultError
+from gonio.capture import Instrument
+from gonio.devices import AttendedClock, LocalFolder
+from gonio.errors import BadInputError, DeviceFaultError, TransportLostError
 from gonio.rig import AXES
 from gonio.timemodel import move_time
 
@@ -207,3 +208,25 @@ def test_angles_come_from_the_encoder(homed):
     angle = homed.arm.angles_deg()["view_theta"]
     assert angle == (20000 - 6000) / 2000.0
     assert not math.isclose(angle, homed.true_deg()["view_theta"], abs_tol=1e-9)
+
+
+class _Always(dict):
+    def __init__(self, what):
+        self.what = what
+
+    def get(self, _number, _default=None):
+        return self.what
+
+
+def test_a_wait_for_others_does_not_wait_for_drives_that_are_gone(homed):
+    def gone(_):
+        raise TransportLostError("bus: is gone; plug it in again")
+
+    files = LocalFolder(homed.folder)
+    instrument = Instrument.of(homed.bus, homed.line, files, homed.rig, homed.clock)
+    # what never was there is not waited for
+    instrument.arm.enable()
+    homed.bus.plan = _Always(gone)
+    began = homed.clock.now()
+    instrument.clock.sleep(60.0)
+    assert homed.clock.now() - began < 61.0

@@ -62,7 +62,7 @@ def reduced(root):
 
 @contextmanager
 def dask_workers(count):
-    """Run a scheduler and workers; yields its address and their processes."""
+    """Run a scheduler and workers; yields its address, their processes, and its own."""
     dask = [sys.executable, "-m", "dask"]
     with ExitStack() as stack:
         scheduler = stack.enter_context(
@@ -75,7 +75,7 @@ def dask_workers(count):
         ]
         for worker in workers:
             _said(worker, "Registered to:")
-        yield address, workers
+        yield address, workers, scheduler
 
 
 @contextmanager
@@ -127,7 +127,7 @@ def test_a_cluster_whose_worker_is_killed_midway_gives_the_same(root, tmp_path):
     # whoever opens it waits here, in the middle of a block
     os.mkfifo(frame)
     with (
-        dask_workers(2) as (address, workers),
+        dask_workers(2) as (address, workers, _),
         subprocess.Popen([*REDUCE, "--scheduler", address, root]) as reducing,
     ):
         with frame.open("wb"):
@@ -141,23 +141,29 @@ def test_a_cluster_whose_worker_is_killed_midway_gives_the_same(root, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_cluster_that_lost_all_its_workers_is_not_waited_for(root, tmp_path):
+@pytest.mark.parametrize("who", ["all workers of the scheduler are", "the scheduler is"])
+def test_a_cluster_that_is_gone_is_not_waited_for(root, tmp_path, who):
     shutil.copytree(root, tmp_path / "session")
     frame = sorted((tmp_path / "session/raw").iterdir())[-2]
     kept = frame.rename(tmp_path / frame.name)
     os.mkfifo(frame)
     command = [*REDUCE, "--anew", "--scheduler"]
     with (
-        dask_workers(1) as (address, (worker,)),
+        dask_workers(1) as (address, (worker,), scheduler),
         subprocess.Popen(
             [*command, address, tmp_path / "session"], stderr=subprocess.PIPE, text=True
         ) as reducing,
     ):
         with frame.open("wb"):
             kept.replace(frame)
-            worker.kill()
-        assert reducing.wait(timeout=60) == 2
-        assert "all workers of the scheduler are gone" in reducing.stderr.read()
+            (worker if "workers" in who else scheduler).kill()
+        try:
+            told = reducing.communicate(timeout=120)[1]
+        finally:
+            reducing.kill()
+        assert reducing.returncode == 2, told
+        assert f"{who} gone" in told
+        assert "Traceback" not in told
 
 
 @pytest.mark.usefixtures("reduced")

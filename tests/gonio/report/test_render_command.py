@@ -32,7 +32,7 @@ def test_truth_model_and_recipes_of_a_session(measure, tmp_path):
 def test_a_table_against_itself_is_identical(measure, tmp_path):
     truth = measure().session.truth_path
     said = render(truth, "--truth", truth, "-o", tmp_path / "out")
-    assert "truth.npz: eps8 0.00, male 0.000; PSNR sphere identical" in said.replace("\n", " ")
+    assert "truth (2): eps8 0.00, male 0.000; PSNR sphere identical" in said.replace("\n", " ")
 
 
 def test_each_of_like_names_has_its_picture(tmp_path):
