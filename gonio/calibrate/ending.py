@@ -46,7 +46,7 @@ class End(NamedTuple):
 def end_of(probes: Sequence[Exposed], masks: Sequence[NDArray[np.bool_]]) -> End:
     """Tell where raw values end by the longest exposure of the white reference.
 
-    A channel is at its end where readings pile up, three of four at one value, or are far short of
+    A channel is at its end where readings pile up, half of them at one value, or are far short of
     what a shorter exposure foretells: light is exposure x the lamps' flux.
 
     Parameters
