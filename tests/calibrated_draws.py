@@ -41,7 +41,7 @@ FEW = {"DARK_FRAMES": 4, "LEVEL_FRAMES": 2, "FLAT_FRAMES": 3, "LAMP_FRAMES": 1}
 """Frames of a calibration, about half as many as `gonio calibrate` takes, to be quick."""
 
 PATCH_MM = 20.0
-"""At half a pixel a millimetre as many pixels as the built-in rig's patch has."""
+"""At half a pixel a millimetre a third of the pixels that the built-in rig's patch has."""
 
 _MOVE_S, _READ_S = 8.0, 0.5
 
@@ -182,7 +182,7 @@ def drawn_calibration(twin):
     return Calibrated(document, Path(), *rounded, findings.bad)
 
 
-def calibrated_samples(name, material, random, shots=8, rig=None, **sizes):
+def calibrated_samples(name, material, random, shots=8, rig=None, patch_mm=PATCH_MM, **sizes):
     """Return samples of a session with its own calibration, and the truth where they are told.
 
     `sizes` are of imperfections that are other ones than those of that name.
@@ -199,7 +199,7 @@ def calibrated_samples(name, material, random, shots=8, rig=None, **sizes):
     twin.go((45.0, 0.0), (0.0, 0.0))
     twin.light([LampSetting(n=lamp.n, mA=700.0) for lamp in rig.lamps.lamp])
     plan = [drawn_shot(index, rig, random) for index in range(shots)]
-    frames, patches = TwinFrames(twin), PatchFinder(rig.camera, PATCH_MM, correction.bad)
+    frames, patches = TwinFrames(twin), PatchFinder(rig.camera, patch_mm, correction.bad)
     calibration = calibrate(frames, rig, patches, rig.camera.exposures_s, correction)
     rows, problems = measure(plan, frames, patches, rig, calibration)
     assert not problems, problems

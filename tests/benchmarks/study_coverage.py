@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 import numpy as np
 
+from gonio.reduce.patch import PATCH_MM
 from gonio.report.budget import parts_of
 from gonio.samples import Flag
 from gonio.uncertainty import COMPONENT_NAMES
 from sim.materials import load_material
-from tests.calibrated_draws import calibrated_samples
+from tests.calibrated_draws import calibrated_samples, imperfect_rig
 from tests.draws import constant_sigma, covered, drawn_samples, interval_score, small_rig
 
 if TYPE_CHECKING:
@@ -61,16 +62,19 @@ def main(draws: int, seed: int, twin: str) -> None:
 
 def drawn(draws: int, seed: int, twin: str) -> Iterator[Found]:
     """Draw sessions, each from its own seed, so that any of them can be had again."""
-    names, rig = MATTE + OTHERS, small_rig()
+    names = MATTE + OTHERS
     for draw in range(draws):
         random = np.random.default_rng([seed, draw])
         name, kind = names[draw % len(names)], IMPERFECT[draw // len(names) % 2]
         material = load_material(name)
         if twin == "ideal":
             kind = twin
-            samples, truth = drawn_samples(rig, material, random)
+            samples, truth = drawn_samples(small_rig(), material, random)
         else:
-            samples, truth, _ = calibrated_samples(kind, material, random)
+            rig = imperfect_rig(kind, pixels=160)
+            samples, truth, _ = calibrated_samples(
+                kind, material, random, rig=rig, patch_mm=PATCH_MM
+            )
         # what is flagged as a lower bound claims no interval
         whole = samples.flag & Flag.CLIPPED == 0
         three = np.stack([samples.value, samples.sigma, truth])[:, whole]
