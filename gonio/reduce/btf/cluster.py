@@ -37,7 +37,8 @@ def workers(scheduler: str | None) -> Iterator[Any]:
     except ModuleNotFoundError:
         raise MissingExtraError("dask", "btf") from None
     # what goes wrong is told once, by whoever asked for the work
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     if scheduler is not None:
         with _connected(distributed, scheduler) as client:
             yield client
@@ -87,19 +88,23 @@ def check_workers(client: Any) -> None:
         )
 
 
-def result_of(future: Any) -> Any:
-    """Return what a worker came to.
+@contextmanager
+def met() -> Iterator[None]:
+    """Say in one line that the scheduler went while something was asked of it.
 
     Raises
     ------
     gonio.errors.BadInputError
-        When the scheduler is gone.
+        For whatever Dask says of that.
     """
     from concurrent.futures import CancelledError
 
+    from distributed.client import FuturesCancelledError
+    from distributed.comm import CommClosedError
+
     try:
-        return future.result()
-    except CancelledError:
+        yield
+    except (CancelledError, FuturesCancelledError, CommClosedError):
         raise BadInputError(
             "the scheduler is gone; start another, or leave out --scheduler, and run the command "
             "again: it goes on where it was"

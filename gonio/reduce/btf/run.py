@@ -12,7 +12,7 @@ from gonio.errors import StorageError
 from gonio.files import canonical_json, sha256_bytes
 from gonio.photogrammetry.grid import TexelGrid
 from gonio.reduce.btf.block import reduce_block
-from gonio.reduce.btf.cluster import PATIENCE_S, check_workers, result_of, workers
+from gonio.reduce.btf.cluster import PATIENCE_S, check_workers, met, workers
 from gonio.reduce.btf.job import Job, Maps
 from gonio.reduce.btf.layout import Layout
 from gonio.reduce.btf.store import FORMAT, Btf, btf_path, finish_store
@@ -184,13 +184,14 @@ def _worked(client: Any, job: Job, blocks: Sequence[Block]) -> Iterator[Outcome]
     # a block that was begun by a worker that died is begun anew by another
     left = client.map(partial(reduce_block, job), blocks, pure=False)
     while left:
-        try:
-            ended, left = wait(left, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
-        except TimeoutError:
-            check_workers(client)
-            continue
-        for future in ended:
-            yield result_of(future)
+        with met():
+            try:
+                ended, left = wait(left, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+            except TimeoutError:
+                check_workers(client)
+                continue
+            outcomes = [future.result() for future in ended]
+        yield from outcomes
         left = list(left)
 
 
