@@ -107,7 +107,7 @@ class Relief:
         place, hit = self._meet(start @ self.axes.T, self.axes @ _EYE)
         pixel = np.flatnonzero(hit)
         place = place[hit]
-        local = frames(self._normal(place), np.array([1.0, 0.0, 0.0]))
+        local = frames(self.normal(place), np.array([1.0, 0.0, 0.0]))
         horizon = self._horizon()
         near = horizon.around(place[:, :2])
         return Seen(pixel, local @ self.axes, lambda light: horizon.lit(near, self.axes @ light))
@@ -140,7 +140,8 @@ class Relief:
         below = place[:, 2] < self.height(place[:, 0], place[:, 1])
         return np.asarray(_within(place) & below)
 
-    def _normal(self, place: Array) -> Array:
+    def normal(self, place: Array) -> Array:
+        """Return the surface's unit normals at places of it, shape (n, 3), in its own frame."""
         x, y = place[:, 0], place[:, 1]
         along = (self.height(x + _SLOPE_STEP, y) - self.height(x - _SLOPE_STEP, y)) / 2
         across = (self.height(x, y + _SLOPE_STEP) - self.height(x, y - _SLOPE_STEP)) / 2
