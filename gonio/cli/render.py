@@ -82,8 +82,8 @@ SHEET_NAME = "render.png"
     type=click.IntRange(*LIGHTS),
     default=192,
     show_default=True,
-    help="Directions that stand for the probe: more for glossy materials. Mitsuba follows an "
-    "eighth as many paths a pixel.",
+    help="Directions that stand for the probe: more for glossy materials. Mitsuba follows a "
+    "sixth as many paths a pixel.",
 )
 @click.option(
     "--stops",
@@ -141,7 +141,8 @@ def command(
     scores = {one.name: score_line(one, rows[0]) for one in rows[1:]}
     sheet = scene.sheet(rows, scores, stops, progress_bar)
     _write(output, sheet, scene)
-    for line in (str(used), *_lines(sheet)):
+    console.print(str(used), markup=False)
+    for line in _lines(sheet):
         console.print(line)
     console.print(f"pictures: {output / SHEET_NAME}, linear ones beside it (*.exr)")
     pictures = output / SHEET_NAME

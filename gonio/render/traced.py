@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 # all but what is reflected more than three times
 _DEPTH = 4
-_LIGHTS_PER_PATH = 8
+_LIGHTS_PER_PATH = 6
 _FEWEST_PATHS = 4
 
 
@@ -93,7 +93,7 @@ class Traced:
         probe
             The light.
         lights
-            A pixel has an eighth as many paths, each of which looks for light by the probe's
+            A pixel has a sixth as many paths, each of which looks for light by the probe's
             brightness and by the material's lobe wherever it is reflected.
         size_px
             Side of the square pictures.
