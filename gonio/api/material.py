@@ -171,6 +171,7 @@ class Material:
         size_px: int = 256,
         lights: int = 192,
         stops: float = 0.0,
+        renderer: str = "auto",
     ) -> Rendered:
         """Show it on a shape under a probe of light, as `gonio render` does.
 
@@ -186,10 +187,12 @@ class Material:
             Directions that stand for the probe, from 16 to 8192: more for glossy materials.
         stops
             Brighter by so many doublings, from -10 to 10; 0 makes the mean 18 %.
+        renderer
+            auto (Mitsuba 3 where it is installed), own (direct light) or mitsuba.
         """
         from gonio.api.rendered import render_alone
 
-        return render_alone(self.opened, shape, probe, size_px, lights, stops)
+        return render_alone(self.opened, shape, probe, size_px, lights, stops, renderer)
 
     def compare(self, reference: Material | Path | str) -> Versus:
         """Hold it against a reference at the 81 x 81 pairs, as `gonio compare` does.

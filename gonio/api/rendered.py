@@ -66,14 +66,16 @@ class Rendered:
 
 
 def render_alone(
-    opened: Opened, shape: str, probe: str, size_px: int, lights: int, stops: float
+    opened: Opened, shape: str, probe: str, size_px: int, lights: int, stops: float, renderer: str
 ) -> Rendered:
     """Render one material on one shape (see `gonio.Material.render`).
 
     Raises
     ------
     gonio.errors.BadInputError
-        For an unknown shape or probe, or numbers that `gonio render` refuses.
+        For an unknown shape, probe or renderer, or numbers that `gonio render` refuses.
+    gonio.errors.MissingExtraError
+        When Mitsuba is asked for and is not installed.
     """
     from gonio.api.following import unseen
     from gonio.api.numbers import LIGHTS, SIZE_PX, STOPS, check_real, check_whole
@@ -81,13 +83,14 @@ def render_alone(
     from gonio.errors import BadInputError
     from gonio.render import PROBES, SHAPES
     from gonio.render.contrast import exposure
+    from gonio.render.renderers import RENDERERS, chosen
 
-    for name, known in ((shape, SHAPES), (probe, PROBES)):
+    for name, known in ((shape, SHAPES), (probe, PROBES), (renderer, RENDERERS)):
         if name not in known:
             raise BadInputError(f"{name!r} is not known; use {', '.join(known)}")
     check_whole("size_px", size_px, *SIZE_PX)
     check_whole("lights", lights, *LIGHTS)
     check_real("stops", stops, *STOPS)
-    scene = Scene.of((shape,), probe, size_px, lights)
-    (picture,) = scene.pictures({opened.name: opened.material}, shape, unseen).values()
+    scene = Scene.of((shape,), probe, size_px, lights, chosen(renderer).name)
+    picture = scene.pictures({opened.name: opened.material}, unseen)[shape][opened.name]
     return Rendered(picture, exposure([picture], stops))

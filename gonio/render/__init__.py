@@ -1,4 +1,4 @@
-"""Pictures of materials on shapes under a probe of light, by direct light."""
+"""Pictures of materials on shapes under a probe of light: by direct light here, or by Mitsuba."""
 
 from __future__ import annotations
 

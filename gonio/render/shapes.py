@@ -107,7 +107,7 @@ class Relief:
         place, hit = self._meet(start @ self.axes.T, self.axes @ _EYE)
         pixel = np.flatnonzero(hit)
         place = place[hit]
-        local = frames(self._normal(place), np.array([1.0, 0.0, 0.0]))
+        local = frames(self.normal(place), np.array([1.0, 0.0, 0.0]))
         horizon = self._horizon()
         near = horizon.around(place[:, :2])
         return Seen(pixel, local @ self.axes, lambda light: horizon.lit(near, self.axes @ light))
@@ -132,14 +132,16 @@ class Relief:
             middle = 0.5 * (outside + inside)
             under = self._is_under(start + middle[:, None] * eye)
             inside, outside = np.where(under, middle, inside), np.where(under, outside, middle)
-        place = start + inside[:, None] * eye
-        return place, found & (np.abs(place[:, :2]) <= 1.0).all(axis=1)
+        # it has no thickness: what comes in below its edge misses it
+        from_above = _within(start + outside[:, None] * eye)
+        return start + inside[:, None] * eye, found & from_above
 
     def _is_under(self, place: Array) -> NDArray[np.bool_]:
-        within = (np.abs(place[:, :2]) <= 1.0).all(axis=1)
-        return np.asarray(within & (place[:, 2] < self.height(place[:, 0], place[:, 1])))
+        below = place[:, 2] < self.height(place[:, 0], place[:, 1])
+        return np.asarray(_within(place) & below)
 
-    def _normal(self, place: Array) -> Array:
+    def normal(self, place: Array) -> Array:
+        """Return the surface's unit normals at places of it, shape (n, 3), in its own frame."""
         x, y = place[:, 0], place[:, 1]
         along = (self.height(x + _SLOPE_STEP, y) - self.height(x - _SLOPE_STEP, y)) / 2
         across = (self.height(x, y + _SLOPE_STEP) - self.height(x, y - _SLOPE_STEP)) / 2
@@ -162,6 +164,10 @@ def frames(normal: Array, along: Array) -> Array:
     """
     tangent = normalize(along - (normal @ along)[:, None] * normal)
     return np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
+
+
+def _within(place: Array) -> NDArray[np.bool_]:
+    return np.asarray((np.abs(place[:, :2]) <= 1.0).all(axis=1))
 
 
 @cache

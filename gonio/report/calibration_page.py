@@ -74,7 +74,7 @@ def _cards(document: CalibrationDocument) -> Iterator[tuple[str, str, str]]:
     linearity = document.linearity
     yield (
         "Nonlinearity", f"{100 * linearity.deviation:.2f} %",
-        f"at most, {100 * linearity.left:.2f} % corrected; known up to "
+        f"off the best line at most, {100 * linearity.left:.2f} % when corrected; known up to "
         f"{100 * min(linearity.reach, 1.0):.0f} % of the range",
     )  # fmt: skip
     yield (

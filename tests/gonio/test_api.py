@@ -229,6 +229,10 @@ REFUSED = {
     "a view of two": (lambda: evaluated(_UP, [0, 1]), "view is of shape (2,), not (..., 3)"),
     "a view of words": (lambda: evaluated(_UP, "up"), "view is no array of numbers"),
     "what does not fit": (lambda: evaluated([_UP] * 2, [_UP] * 3), "do not fit together"),
+    "a renderer that is none": (
+        lambda: api.Material.load("satin").render(renderer="luxury"),
+        "'luxury' is not known; use auto, own, mitsuba",
+    ),
     "a shape that is none": (lambda: api.Material.load("satin").render("cube"), "use sphere, "),
 }
 
@@ -245,4 +249,6 @@ def test_a_material_is_asked_by_lists():
     satin = api.Material.load("satin")
     assert evaluated(_UP, [_UP] * 2).shape == (2, 3)
     assert evaluated(from_degrees(90.0, 10.0), _UP).shape == (3,)
-    assert repr(satin.render(size_px=16, lights=16)).startswith("<Rendered 16 x 16 px, times ")
+    assert repr(satin.render(size_px=16, lights=16, renderer="own")).startswith(
+        "<Rendered 16 x 16 px, times "
+    )

@@ -56,6 +56,17 @@ def test_what_is_seen_faces_the_eye_and_has_right_angles(name):
     assert np.allclose(np.linalg.det(seen.frame), 1.0)
 
 
+def test_cloth_has_no_walls_below_its_edge():
+    shape = SHAPES["drape"]
+    seen = shape.look(64, 0.5, 0.5)
+    row, column = np.divmod(seen.pixel, 64)
+    right, up = (column + 0.5) / 32 - 1, 1 - (row + 0.5) / 32
+    # the middle of its lower edge in the picture
+    edge = np.array([0.0, -1.0, shape.height(np.array(0.0), np.array(-1.0))])
+    x, y = (edge @ shape.axes)[:2] * shape.scale + shape.shift
+    assert up[np.abs(right - x) < 0.04].min() > y - 0.04
+
+
 def test_grain_shows():
     along, across = AnisotropicGGX((0.9,) * 3, 0.1, 0.5), AnisotropicGGX((0.9,) * 3, 0.5, 0.1)
     pictures = shade(

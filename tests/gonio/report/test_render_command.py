@@ -9,7 +9,7 @@ from gonio.report.figures import inline_svg, page_style
 from gonio.report.lobes import draw_lobes
 from nnbrdf.analytic import Lambert
 
-QUICK = ("--size", "16", "--lights", "16", "--shape", "sphere")
+QUICK = ("--size", "16", "--lights", "16", "--shape", "sphere", "--renderer", "own")
 
 
 def render(*arguments):
