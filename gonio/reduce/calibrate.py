@@ -37,6 +37,9 @@ WHITE_MM: Final = 40.0
 
 _DEFAULT = Wanted()
 
+# shares of stray light that nobody takes for one
+_FAR_APART = 0.01
+
 _log = logging.getLogger(__name__)
 
 
@@ -109,13 +112,25 @@ def calibrate(
     gain = correction.gain or transfer.gain
     reference = coloring.shown(reference_material(rig))
     response = respond(by_the_unhidden(readings), gain, reference, coloring)
+    _warn(response, rig, correction)
+    budget = Budget(rig, reference, response, correction.doubt, coloring)
+    return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
+
+
+def _warn(response: Response, rig: Rig, correction: Correction) -> None:
+    """Tell of what white frames and calibration leave open, or contradict."""
     if response.balance.lacking.any():
         _log.warning(
             "the lamps' light lacks what the camera's matrix was made for, so that sigma takes "
             "a primary for not told; shoot a chart under these lamps (gonio color)"
         )
-    budget = Budget(rig, reference, response, correction.doubt, coloring)
-    return Calibration(darks, gain, response, budget, correction, tuple(records), coloring)
+    stated, seen = rig.camera.stray_light, correction.stray_light
+    far_apart = _FAR_APART + 5.0 * correction.doubt.stray_light
+    if stated and seen and abs(stated - seen) > far_apart:
+        _log.warning(
+            "[camera] stray_light of the rig file, %g, goes before the %.3g that the calibration "
+            "saw; leave it out there unless you know better", stated, seen,
+        )  # fmt: skip
 
 
 def _alike(readings: Sequence[Reading]) -> list[Reading]:

@@ -39,7 +39,7 @@ def draw_transfer(document: CalibrationDocument) -> Figure:
 
 def draw_linearity(document: CalibrationDocument) -> Figure:
     """Draw how far signals are from a line, in percent, without and with the correction."""
-    figure, axes = _axes("signal (share of the range)", "off a line through the darkest (%)")
+    figure, axes = _axes("signal (share of the range)", "off the corrected line (%)")
     free = [point for point in document.transfer if not point.saturated]
     dose, signal = (np.array([getattr(p, name) for p in free]) for name in ("dose", "signal"))
     u, corrected = signal / document.linearity.raw_range, document.linearity.undo(signal)

@@ -100,7 +100,7 @@ def met() -> Iterator[None]:
     from concurrent.futures import CancelledError
 
     from distributed.client import FuturesCancelledError
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
     try:
         yield

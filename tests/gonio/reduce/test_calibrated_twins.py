@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.materials import load_material
-from tests.calibrated_draws import calibrated_samples
+from tests.calibrated_draws import calibrated_samples, imperfect_rig
 from tests.draws import covered
 
 
@@ -37,3 +37,13 @@ def test_a_flat_field_lets_more_of_the_white_reference_count(monkeypatch):
         noise.append(np.median(samples.components["white"] / samples.value))
     # the flux of its frames does not become surer
     assert noise[1] < 0.65 * noise[0]
+
+
+@pytest.mark.parametrize(("stated", "is_told"), [(0.3, True), (0.028, False)])
+def test_stray_light_that_the_calibration_contradicts_is_told(caplog, stated, is_told):
+    rig = imperfect_rig("all")
+    camera = rig.camera.model_copy(update={"stray_light": stated})
+    rig = rig.model_copy(update={"camera": camera})
+    material = load_material("matte-paint")
+    calibrated_samples("all", material, np.random.default_rng(1), shots=1, rig=rig)
+    assert ("goes before the 0.0" in caplog.text) == is_told
