@@ -9,6 +9,9 @@ import click
 
 from gonio.cli._json import answer, answers
 
+# of a held-out picture's mean, from which on somebody should look
+_POOR = 0.25
+
 
 @click.command(name="fit")
 @click.argument("root", metavar="[SESSION]", type=click.Path(path_type=Path), default="session")
@@ -35,7 +38,7 @@ def command(*, root: Path, side: int | None, steps: int, seed: int) -> None:
         gonio btf fit session/
         gonio btf fit session/ --side 128       the middle alone, in a minute
     """  # noqa: D301
-    from gonio.cli._console import console
+    from gonio.cli._console import console, note
     from gonio.cli._texel_fit import fit_middle
     from gonio.reduce.btf import Btf, Texels
     from gonio.session import Session
@@ -53,6 +56,11 @@ def command(*, root: Path, side: int | None, steps: int, seed: int) -> None:
         session.note_timing("btf-fit", seconds)
     console.print(f"{texels.side} x {texels.side} networks of 88 weights, {duration(seconds)}")
     console.print(f"relit picture that was held out: off by {error:.1%} of its mean")
+    if error > _POOR:
+        note(
+            "that is little to know of the directions between those measured: measure more pairs, "
+            "or train longer with --steps"
+        )
     console.print(f"weights: {folder / 'weights.npz'}")
     console.print(f"relit: {folder / 'relit.png'}")
     answer(
