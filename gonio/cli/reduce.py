@@ -188,10 +188,9 @@ def _check_targets(session: Session, table: Path | None, radiance: Path | None) 
     from gonio.errors import BadInputError
 
     root = session.root.resolve()
-    if table is not None and table.exists() and table.suffix.lower() != ".csv":
-        inside = table.resolve().is_relative_to(root)
-        if inside:
-            raise BadInputError(f"{table}: is a file of the session; name another with --csv")
+    others = table is not None and table.exists() and table.suffix.lower() != ".csv"
+    if table is not None and others and table.resolve().is_relative_to(root):
+        raise BadInputError(f"{table}: is a file of the session; name another with --csv")
     if radiance is not None and (radiance.resolve() / "session.json").is_file():
         raise BadInputError(f"{radiance}: is a session's folder; name one of its own")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gonio.errors import BadFileError
 from gonio.reduce.correction import correction_in
 from gonio.reduce.raw import decode_raw, read_vouched
 
@@ -13,18 +14,22 @@ if TYPE_CHECKING:
 
 
 def check_camera(session: Session, journal: Journal) -> None:
-    """Look at the first dark frame, so that no night is spent on frames that are of no use.
+    """Look at a dark frame, so that no night is spent on frames that are of no use.
 
     Raises
     ------
     gonio.errors.BadInputError
         Naming what differs.
-    gonio.errors.BadFileError
-        When that frame cannot be read.
     """
-    first = next((record for record in journal.frames() if record.role == "dark"), None)
-    if first is None or not session.sensor_calibration.is_dir() or session.notes().rehearsal:
+    if not session.sensor_calibration.is_dir() or session.notes().rehearsal:
         return
-    path = session.root / first.file
-    raw = decode_raw(read_vouched(path, first.sha256, "look at the camera"), path, "")
-    correction_in(session.sensor_calibration).check(raw.sensor)
+    for record in journal.frames():
+        if record.role != "dark":
+            continue
+        path = session.root / record.file
+        try:
+            raw = decode_raw(read_vouched(path, record.sha256, ""), path, "")
+        except BadFileError:
+            continue  # one that is lost or damaged is left to the reduction
+        correction_in(session.sensor_calibration).check(raw.sensor)
+        break

@@ -177,7 +177,11 @@ def test_frames_of_another_camera_are_refused(gonio, folder, capture):
     done = capture("--calibration", "calibration")
     assert done.returncode == 2
     assert "iso 200, and the frames have 100" in done.stderr
-    # a night is not spent on shots of no use
+    # a night is not spent on shots of no use, whichever dark frame is there
+    next((folder / "session/calibration").glob("dark*")).unlink()
+    done = capture("--resume")
+    assert done.returncode == 2
+    assert "iso 200, and the frames have 100" in done.stderr
     assert not list((folder / "session/raw").iterdir())
     done = gonio("reduce", "session", cwd=folder)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
