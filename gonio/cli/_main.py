@@ -90,7 +90,7 @@ def main() -> None:
     except click.exceptions.NoArgsIsHelpError as error:
         _end(error.format_message(), error.exit_code)
     except click.ClickException as error:
-        _fail(error.format_message(), error.exit_code)
+        _fail(_with_help(error), error.exit_code)
     except GonioError as error:
         _fail(_with_notes(str(error), error), error.exit_code)
     except (click.Abort, KeyboardInterrupt) as stop:
@@ -105,6 +105,15 @@ def main() -> None:
         if error.errno in _REFUSED:
             _fail(f"{place}: {error.strerror}; check the folder, its permissions and space", 3)
         _fail(f"{place}: {error.strerror or error}", 2)
+
+
+def _with_help(error: click.ClickException) -> str:
+    """Return what click says, and where more is said, unless that says what was meant."""
+    message = error.format_message()
+    context = getattr(error, "ctx", None)
+    if context is None or "Did you mean" in message or "; use " in message:
+        return message
+    return f"{message.rstrip('.')}; see: {context.command_path} --help"
 
 
 class _Terminated(KeyboardInterrupt):
