@@ -13,7 +13,7 @@ from gonio.plan import LampSetting, Shot
 from gonio.reduce.calibrate import calibrate
 from gonio.reduce.correction import Uncorrected
 from gonio.reduce.frames import Frame
-from gonio.reduce.patch import PATCH_MM, PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.raw import RawFrame, decode_raw
 from gonio.reduce.reduce import measure, samples_of
 from gonio.rig import default_rig
@@ -170,7 +170,7 @@ def drawn_samples(rig, material, random, shots=8, errors=None):
     errors = errors or Errors.draw(rig, random)
     plan = [drawn_shot(index, rig, random) for index in range(shots)]
     frames = DrawnFrames(rig, material, errors, random)
-    patches = PatchFinder(rig.camera, PATCH_MM)
+    patches = PatchFinder(rig.camera, usual_patch_mm(rig.camera))
     calibration = calibrate(frames, rig, patches, rig.camera.exposures_s, Uncorrected())
     rows, problems = measure(plan, frames, patches, rig, calibration)
     assert not problems, problems

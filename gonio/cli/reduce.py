@@ -38,9 +38,8 @@ _OF_TEXELS = frozenset(
 @click.option(
     "--patch-mm",
     type=float,
-    default=10.0,
-    show_default=True,
-    help="Side of the square about the sample's centre that each sample is the mean over.",
+    help="Side of the square about the sample's centre that each sample is the mean over.  "
+    "[default: of 20 pixels, 5 to 10 mm]",
 )
 @click.option(
     "--csv",
@@ -105,7 +104,7 @@ _OF_TEXELS = frozenset(
 def command(
     *,
     root: Path,
-    patch_mm: float,
+    patch_mm: float | None,
     table: Path | None,
     quantity: str,
     radiance: Path | None,
@@ -139,7 +138,7 @@ def command(
     from gonio.cli._checks import tell_checks
     from gonio.cli._console import console, progress_bar
     from gonio.errors import BadInputError
-    from gonio.reduce import write_radiance, write_table
+    from gonio.reduce import usual_patch_mm, write_radiance, write_table
     from gonio.session import Session
 
     if btf:
@@ -154,6 +153,8 @@ def command(
         raise BadInputError(f"--quantity {quantity} is of a table; name one with --csv FILE")
     session = Session.open(root)
     _check_targets(session, table, radiance)
+    if patch_mm is None:
+        patch_mm = usual_patch_mm(session.rig().camera)
     began = time.perf_counter()
     with progress_bar("reducing") as progress:
         samples = reduce_anew(

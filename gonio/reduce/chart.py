@@ -20,7 +20,7 @@ from gonio.reduce.color import Wanted
 from gonio.reduce.correction import correction_in
 from gonio.reduce.merge import merge
 from gonio.reduce.opening import open_frames
-from gonio.reduce.patch import PATCH_MM, Patch, PatchFinder
+from gonio.reduce.patch import Patch, PatchFinder, usual_patch_mm
 from gonio.reduce.picture import best_exposed, color_picture_of
 from gonio.reduce.provenance import shot_exposures
 from gonio.reduce.reading import take_reading
@@ -110,7 +110,7 @@ def read_chart(
             "the option out, or plan a single view"
         )
     correction = correction_in(session.sensor_calibration)
-    patches = PatchFinder(opened.rig.camera, PATCH_MM, correction.bad)
+    patches = PatchFinder(opened.rig.camera, usual_patch_mm(opened.rig.camera), correction.bad)
     exposures_s = shot_exposures(opened.records)
     calibration = calibrate(
         opened.frames, opened.rig, patches, exposures_s, correction, Wanted("camera")

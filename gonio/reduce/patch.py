@@ -22,13 +22,25 @@ if TYPE_CHECKING:
     from gonio.reduce.raw import Sensor
     from gonio.rig import CameraSpec
 
-PATCH_MM: Final = 10.0
-"""Side of the patch that a sample is the mean over, unless it was ever told otherwise."""
+SMALLEST_MM: Final = 5.0
+LARGEST_MM: Final = 10.0
+"""Sides of the patch that a sample is the mean over, unless it was ever told otherwise."""
 
+# along each side: so many pixels have little noise, and more are slow to read
+_ENOUGH_PX = 20.0
 _MM_PER_M = 1000.0
 _FLAT = 1e-6
 # weights that are more uneven cost more than they are worth
 _MOST_NOISE = 2.0
+
+
+def usual_patch_mm(spec: CameraSpec) -> float:
+    """Return the side of 20 pixels on the sample, but at least 5 mm and at most 10.
+
+    On a coarse sensor noise asks for a larger patch, and directions for a smaller one.
+    """
+    px_per_mm = spec.focal_px / (_MM_PER_M * spec.distance_m)
+    return float(np.clip(_ENOUGH_PX / px_per_mm, SMALLEST_MM, LARGEST_MM))
 
 
 @dataclass(frozen=True)

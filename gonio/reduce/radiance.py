@@ -12,7 +12,7 @@ from gonio.reduce.calibrate import calibrate
 from gonio.reduce.correction import Uncorrected, correction_in
 from gonio.reduce.hdr import Exposed, Pixels, merge_pixels
 from gonio.reduce.opening import open_frames
-from gonio.reduce.patch import PATCH_MM, PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.provenance import shot_exposures
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def write_radiance(session: Session, folder: Path, progress: Progress | None = N
     opened = open_frames(session)
     rig, frames, exposures_s = opened.rig, opened.frames, shot_exposures(opened.records)
     correction = correction_in(session.sensor_calibration)
-    patches = PatchFinder(rig.camera, PATCH_MM, correction.bad)
+    patches = PatchFinder(rig.camera, usual_patch_mm(rig.camera), correction.bad)
     calibration = calibrate(frames, rig, patches, exposures_s, correction)
     pixels, written = pixels_of(calibration, frames.sensor), 0
     for done, shot in enumerate(opened.shots, start=1):

@@ -17,7 +17,7 @@ from gonio.reduce.color import wanted_in
 from gonio.reduce.correction import correction_in
 from gonio.reduce.merge import merge
 from gonio.reduce.opening import open_frames
-from gonio.reduce.patch import PATCH_MM, PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.provenance import provenance_of, shot_exposures
 from gonio.reduce.reading import take_reading
 from gonio.reduce.stray import by_the_unhidden
@@ -64,7 +64,7 @@ def reduce_session(
         The session, locked by the caller.
     patch_mm
         Side of the square about the sample's centre that each sample is the mean over; without
-        it, that of the samples that are there, or else `PATCH_MM`.
+        it, that of the samples that are there, or else `gonio.reduce.patch.usual_patch_mm`.
     space
         One of `gonio.reduce.color.CHOICES`; without it, that of the samples that are there, or
         else linear sRGB.
@@ -83,7 +83,7 @@ def reduce_session(
     rig, shots, records, frames = opened.rig, opened.shots, opened.records, opened.frames
     before = _before(session)
     if patch_mm is None:
-        patch_mm = (before and before.patch_mm) or PATCH_MM
+        patch_mm = (before and before.patch_mm) or usual_patch_mm(rig.camera)
     wanted = wanted_in(session, space or _space_of(before), shots)
     correction = correction_in(session.sensor_calibration)
     patches = PatchFinder(rig.camera, patch_mm, correction.bad)

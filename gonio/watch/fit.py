@@ -123,14 +123,14 @@ class RunningFit:
         from gonio.reduce.calibrate import calibrate
         from gonio.reduce.correction import correction_in
         from gonio.reduce.opening import open_frames
-        from gonio.reduce.patch import PATCH_MM, PatchFinder
+        from gonio.reduce.patch import PatchFinder, usual_patch_mm
         from gonio.reduce.provenance import shot_exposures
         from gonio.reduce.reduce import measure, samples_of
 
         opened = open_frames(self._session)
         rig, frames = opened.rig, opened.frames
         correction = correction_in(self._session.sensor_calibration)
-        patches = PatchFinder(rig.camera, PATCH_MM, correction.bad)
+        patches = PatchFinder(rig.camera, usual_patch_mm(rig.camera), correction.bad)
         calibration = calibrate(frames, rig, patches, shot_exposures(opened.records), correction)
         rows, left_out = measure(shots, frames, patches, rig, calibration)
         if not rows:

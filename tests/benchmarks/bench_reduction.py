@@ -32,9 +32,9 @@ from gonio.reduce.correction import Uncorrected
 from gonio.reduce.dark import Dark
 from gonio.reduce.frames import Frames
 from gonio.reduce.hdr import Exposed, Pixels, merge_pixels
-from gonio.reduce.patch import PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.reading import take_reading
-from gonio.reduce.reduce import PATCH_MM, _measure
+from gonio.reduce.reduce import _measure
 from gonio.reduce.white import Response
 from gonio.rig import default_rig
 from sim import sensor
@@ -94,7 +94,7 @@ class Bracket:
                 np.array(decoded.raw_image)
 
     def reduce(self):
-        patches = PatchFinder(self.rig.camera, PATCH_MM)
+        patches = PatchFinder(self.rig.camera, usual_patch_mm(self.rig.camera))
         _measure(self.shot, self.frames, patches, self.rig, self.calibration)
 
     def reduce_to_texels(self):
@@ -148,7 +148,7 @@ class Bracket:
                 np.array(decoded.raw_image)
 
     def measure(self):
-        patches = PatchFinder(self.rig.camera, PATCH_MM)
+        patches = PatchFinder(self.rig.camera, usual_patch_mm(self.rig.camera))
         for frame in self.bracket:
             dark = self.calibration.darks[frame.record.exposure_s]
             take_reading(frame, dark, patches, self.rig)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 import numpy as np
 
-from gonio.reduce.patch import PATCH_MM
+from gonio.reduce.patch import usual_patch_mm
 from gonio.report.budget import parts_of
 from gonio.samples import Flag
 from gonio.uncertainty import COMPONENT_NAMES
@@ -73,7 +73,7 @@ def drawn(draws: int, seed: int, twin: str) -> Iterator[Found]:
         else:
             rig = imperfect_rig(kind, pixels=160)
             samples, truth, _ = calibrated_samples(
-                kind, material, random, rig=rig, patch_mm=PATCH_MM
+                kind, material, random, rig=rig, patch_mm=usual_patch_mm(rig.camera)
             )
         # what is flagged as a lower bound claims no interval
         whole = samples.flag & Flag.CLIPPED == 0

@@ -21,7 +21,7 @@ from gonio.reduce.calibrate import calibrate
 from gonio.reduce.color import wanted_in
 from gonio.reduce.correction import correction_in
 from gonio.reduce.opening import open_frames
-from gonio.reduce.patch import PATCH_MM, PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.provenance import provenance_of, shot_exposures
 from gonio.reduce.radiance import pixels_of
 from gonio.reduce.reduce import reject, warn
@@ -109,7 +109,7 @@ def reduce_btf(
 
 def _calibrated(session: Session, opened: Opened, space: str | None) -> Calibration:
     correction = correction_in(session.sensor_calibration)
-    patches = PatchFinder(opened.rig.camera, PATCH_MM, correction.bad)
+    patches = PatchFinder(opened.rig.camera, usual_patch_mm(opened.rig.camera), correction.bad)
     try:
         exposures_s = shot_exposures(opened.records)
         wanted = wanted_in(session, space, opened.shots)

@@ -15,7 +15,7 @@ from gonio.reduce.doubt import Doubt
 from gonio.reduce.gain import PhotonTransfer
 from gonio.reduce.light import Source
 from gonio.reduce.merge import merge
-from gonio.reduce.patch import PatchFinder
+from gonio.reduce.patch import PatchFinder, usual_patch_mm
 from gonio.reduce.raw import Sensor
 from gonio.reduce.reading import Reading
 from gonio.reduce.stray import stray_on, surrounds
@@ -298,3 +298,10 @@ def test_stray_light_that_is_none_give_or_take_a_little_may_be_a_little():
     found = stray_on(None, raw, SimpleNamespace(mean=np.full((8, 8), 64.0)), RIG, known)
     np.testing.assert_allclose(found.surround, 100.0)
     assert not found.taken.any()
+
+
+@pytest.mark.parametrize(("px_per_mm", "side_mm"), [(0.5, 10), (2, 10), (3, 20 / 3), (25, 5)])
+def test_a_patch_has_twenty_pixels_along_each_side_where_it_may(px_per_mm, side_mm):
+    camera = default_rig().camera
+    finer = camera.model_copy(update={"focal_px": 1000 * camera.distance_m * px_per_mm})
+    assert usual_patch_mm(finer) == pytest.approx(side_mm)

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 from gonio.cli.reduce import command
 from gonio.errors import BadInputError
-from gonio.reduce import PATCH_MM
+from gonio.reduce.patch import LARGEST_MM
 from gonio.samples import Samples
 from gonio.tables import read_table
 from nnbrdf.analytic import Lambert
@@ -66,7 +66,9 @@ def test_the_patch_is_an_option(shots):
     large = Samples.load(shots.session.samples_path)
     assert runner.invoke(command, [root]).exit_code == 0
     standard = Samples.load(shots.session.samples_path)
-    assert large.view_solid_angle == pytest.approx((20 / PATCH_MM) ** 2 * standard.view_solid_angle)
+    assert large.view_solid_angle == pytest.approx(
+        (20 / LARGEST_MM) ** 2 * standard.view_solid_angle
+    )
     refused = runner.invoke(command, [root, "--patch-mm", "0"])
     assert isinstance(refused.exception, BadInputError)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gonio.reduce import PATCH_MM, is_reduced, reduce_session
+from gonio.reduce import is_reduced, reduce_session, usual_patch_mm
 from gonio.samples import Samples
 from nnbrdf.analytic import Lambert
 
@@ -73,14 +73,14 @@ def test_samples_of_another_plan_or_none_are_not_what_is_there(shots):
 
 
 def test_the_patch_that_was_asked_for_is_kept(shots):
-    assert reduce_session(shots.session).patch_mm == PATCH_MM
+    assert reduce_session(shots.session).patch_mm == usual_patch_mm(shots.rig.camera)
     wide = reduce_session(shots.session, patch_mm=12.0)
     assert Samples.load(shots.session.samples_path).patch_mm == 12.0
     again = reduce_session(shots.session)
     assert again.patch_mm == 12.0
     np.testing.assert_array_equal(again.value, wide.value)
     shots.session.samples_path.unlink()
-    assert reduce_session(shots.session).patch_mm == PATCH_MM
+    assert reduce_session(shots.session).patch_mm == usual_patch_mm(shots.rig.camera)
 
 
 def rejected(shots):
