@@ -73,6 +73,7 @@ def seen(session: Path):
     return json.loads((session / "sim/twin.json").read_text()), frames
 
 
+@pytest.mark.slow
 def test_a_mildly_imperfect_capture_is_reconstructed(gonio, tmp_path):
     ok(gonio("plan", "--density", "3", "--no-page"))
     for name in ("none", "mild"):

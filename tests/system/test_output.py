@@ -39,6 +39,7 @@ def killed_before_the_page(folder, source):
     assert done.returncode == -signal.SIGKILL, done.stderr
 
 
+@pytest.mark.slow
 def test_no_page_of_an_older_model_stays_beside_a_new_one(gonio, tmp_path):
     write_table(tmp_path / "table.csv", 12)
     assert gonio("plan", "--density", "3", "--criterion", "farthest", "--no-page").returncode == 0

@@ -157,6 +157,7 @@ def whole(all_forks, planned, tmp_path_factory, prior):
     return chain(folder)
 
 
+@pytest.mark.slow
 def test_one_seed_makes_one_chain(gonio_from_nothing, whole, prior, tmp_path):
     ok(gonio_from_nothing(*WISH, "--prior", prior))
     assert chain(tmp_path) == whole

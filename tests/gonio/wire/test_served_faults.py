@@ -48,7 +48,13 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize(("options", "kinds", "times"), CASES.values(), ids=CASES)
+@pytest.mark.parametrize(
+    ("options", "kinds", "times"),
+    [
+        pytest.param(*case, id=name, marks=[pytest.mark.slow] * (name == "bus over RTU"))
+        for name, case in CASES.items()
+    ],
+)
 def test_a_capture_ends_with_all_its_shots(gonio, tmp_path, serve_twin, options, kinds, times):
     (tmp_path / "faults.toml").write_text(faults(kinds, times))
     twin = serve_twin("--faults", tmp_path / "faults.toml", *options)
