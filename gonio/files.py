@@ -93,7 +93,7 @@ def _refuse_journal(path: Path) -> None:
     except OSError:
         return
     if is_journal:
-        raise StorageError(f"{path}: is the journal of a session; give another name")
+        raise StorageError(f"{path}: is a database, as a session's journal is; give another name")
 
 
 def write_bytes(path: Path, data: bytes) -> None:

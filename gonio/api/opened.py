@@ -75,8 +75,8 @@ class Opened:
 def distinct(opened: Sequence[Opened]) -> list[Opened]:
     """Tell those of one name apart: by what was typed for them, then by their place in the row."""
     given = [one.name for one in opened]
-    parts = [Path(one.source or one.name).parts for one in opened]
-    for length in range(1, max(map(len, parts)) + 1):
+    parts = [_parts(one) for one in opened]
+    for length in range(1, max(map(len, parts), default=0) + 1):
         # the shortest ends of paths that differ
         names = [
             "/".join(path[-length:]) if given.count(name) > 1 else name
@@ -87,6 +87,12 @@ def distinct(opened: Sequence[Opened]) -> list[Opened]:
     else:
         names = told_apart(given)
     return [replace(one, name=name) for one, name in zip(opened, names, strict=True)]
+
+
+def _parts(one: Opened) -> tuple[str, ...]:
+    """Return what was typed, part by part; of a path from the root on, so that "." has a name."""
+    path = Path(one.source)
+    return path.resolve().parts[1:] if one.source and path.exists() else (one.source or one.name,)
 
 
 def open_material(source: str) -> Opened:

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 _SHORT_OF = 0.8
 # pixels end at levels of their own, and few of them are below that
 _LOW_PERCENT = 1.0
+# below, a coarse sensor has most readings at one value by itself
+_PILES_FROM = 0.2
+# a longer exposure reads no more, but for how pixels differ
+_NO_MORE = 1.05
 
 
 class End(NamedTuple):
@@ -43,11 +47,16 @@ class End(NamedTuple):
         return self.black + SATURATED * self.above
 
 
-def end_of(probes: Sequence[Exposed], masks: Sequence[NDArray[np.bool_]]) -> End:
+def end_of(
+    probes: Sequence[Exposed],
+    masks: Sequence[NDArray[np.bool_]],
+    darks: Sequence[NDArray[np.float64]] | None = None,
+) -> End:
     """Tell where raw values end by the longest exposure of the white reference.
 
     A channel is at its end where readings pile up, half of them at one value, or are far short of
-    what a shorter exposure foretells: light is exposure x the lamps' flux.
+    what a shorter exposure foretells, light being exposure x the lamps' flux; and where the longest
+    exposure reads no more.
 
     Parameters
     ----------
@@ -55,12 +64,16 @@ def end_of(probes: Sequence[Exposed], masks: Sequence[NDArray[np.bool_]]) -> End
         One frame for each exposure, rising.
     masks
         Pixels of each channel, shape (height, width) each.
+    darks
+        What each frame reads without light, shape (height, width) each; None: BlackLevel.
     """
     sensor = probes[0].raw.sensor
     whole = float(sensor.white - sensor.black)
-    ended = [
-        raw for mask in masks if (raw := _at_its_end([_seen(p, mask) for p in probes], whole)).size
-    ]
+    if darks is None:
+        darks = [np.full(masks[0].shape, float(sensor.black))] * len(probes)
+    frames = list(zip(probes, darks, strict=True))
+    channels = [[_seen(probe, dark, mask) for probe, dark in frames] for mask in masks]
+    ended = [raw for channel in channels if (raw := _at_its_end(channel, whole)).size]
     if not ended:
         return End(sensor.black, whole, seen=False)
     above = float(np.percentile(np.concatenate(ended), _LOW_PERCENT))
@@ -68,25 +81,29 @@ def end_of(probes: Sequence[Exposed], masks: Sequence[NDArray[np.bool_]]) -> End
 
 
 class _Seen(NamedTuple):
-    """What a channel's pixels read above BlackLevel, and the light, in any unit."""
+    """What a channel's pixels read above BlackLevel and above dark, and the light, in any unit."""
 
     raw: NDArray[np.float64]
+    signal: NDArray[np.float64]
     dose: float
 
 
-def _seen(probe: Exposed, mask: NDArray[np.bool_]) -> _Seen:
-    raw = probe.raw.mosaic[mask].astype(np.float64) - probe.raw.sensor.black
-    return _Seen(raw, probe.raw.exposure_s * sum(probe.flux))
+def _seen(probe: Exposed, dark: NDArray[np.float64], mask: NDArray[np.bool_]) -> _Seen:
+    raw = probe.raw.mosaic[mask].astype(np.float64)
+    dose = probe.raw.exposure_s * sum(probe.flux)
+    return _Seen(raw - probe.raw.sensor.black, raw - float(dark[mask].mean()), dose)
 
 
 def _at_its_end(channel: Sequence[_Seen], whole: float) -> NDArray[np.float64]:
     """Return a channel's readings in the longest exposure if they are at their end, or none."""
-    raw_per_dose = 0.0
-    for raw, dose in channel:
-        low, middle, high = np.percentile(raw, (25, 50, 75))
+    signal_per_dose, longest = 0.0, channel[-1]
+    for _, signal, dose in channel:
+        low, middle, high = np.percentile(signal, (25, 50, 75))
         if middle < FAINTEST * whole:
             continue
-        if low == high or middle < _SHORT_OF * raw_per_dose * dose:
-            return channel[-1].raw
-        raw_per_dose = middle / dose
+        piles_up = low == high and middle > _PILES_FROM * whole
+        falls_short = middle < _SHORT_OF * signal_per_dose * dose
+        if (piles_up or falls_short) and np.median(longest.signal) < _NO_MORE * middle:
+            return longest.raw
+        signal_per_dose = middle / dose
     return np.zeros(0)

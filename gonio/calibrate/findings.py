@@ -90,7 +90,7 @@ class Findings:
                 f"{_FEWEST_PIXELS} are needed; use a longer lens, or compare [camera] focal_px and "
                 "distance_m with the rig"
             )
-        self.end = end_of(probes, self._where)
+        self.end = end_of(probes, self._where, [self._dark_of(probe) for probe in probes])
         self._flat = FlatField(rig.camera, scene.channel)
         self._levels: list[list[Level]] = []
         self._strengths: dict[int, tuple[float, float]] = {}

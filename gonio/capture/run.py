@@ -16,7 +16,7 @@ from gonio.capture.recovery import Recovery
 from gonio.capture.usage import Stopwatch
 from gonio.capture.wanted import Missing
 from gonio.clock import SystemClock
-from gonio.errors import DeviceFaultError, StorageError
+from gonio.errors import BadInputError, DeviceFaultError, StorageError
 from gonio.files import make_folder
 from gonio.intact import new_inputs
 from gonio.rig import AXES
@@ -125,7 +125,11 @@ class Capture:
             if dark or white:
                 self._place("reference")
                 self._persist(taker, self._calibration_left, self._calibrations)
-            self._judge()
+            try:
+                self._judge()
+            except BadInputError as error:
+                self._note_end("stopped", reason=str(error))
+                raise
             self._place("sample")
             self._persist(taker, self._shots_left, self._shots)
         self._note_end("finished")

@@ -192,8 +192,9 @@ def _check_targets(session: Session, table: Path | None, radiance: Path | None) 
     others = table is not None and table.exists() and table.suffix.lower() != ".csv"
     if table is not None and others and table.resolve().is_relative_to(root):
         raise BadInputError(f"{table}: is a file of the session; name another with --csv")
-    if radiance is not None and (radiance.resolve() / "session.json").is_file():
-        raise BadInputError(f"{radiance}: is a session's folder; name one of its own")
+    own = [root, session.raw, session.calibration, session.plans, session.sim, session.model]
+    if radiance is not None and radiance.resolve() in {each.resolve() for each in own}:
+        raise BadInputError(f"{radiance}: is the session's; name a folder of its own")
 
 
 def _refuse_idle() -> None:

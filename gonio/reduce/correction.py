@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from gonio.calibration import CalibrationDocument, Halo, Linearity
+    from gonio.calibration import CalibrationDocument, CameraIdentity, Halo, Linearity
     from gonio.reduce.raw import Sensor
 
     Mosaics = Sequence[NDArray[np.uint16]]
@@ -181,14 +181,11 @@ class Calibrated:
         gonio.errors.BadInputError
             Naming what differs.
         """
-        known, seen = self.document.camera, sensor.identity
-        for name, value in known:
-            if getattr(seen, name) != value:
-                raise BadInputError(
-                    f"{self.folder}: was made with another camera or setting ({name} {value!r}, "
-                    f"and the frames have {getattr(seen, name)!r}); measure with a calibration of "
-                    "this one"
-                )
+        if differs := difference(self.document.camera, sensor.identity):
+            raise BadInputError(
+                f"{self.folder}: was made with another camera or setting ({differs}); measure with "
+                "a calibration of this one"
+            )
 
     def dark(self, mosaics: Mosaics, exposure_s: float) -> Dark:
         """Return the calibration's dark frame, scaled to the session's own.
@@ -246,3 +243,11 @@ def correction_in(folder: Path) -> Correction:
     except (OSError, KeyError, ValueError) as error:
         remedy = "put back the session's own copy"
         raise BadFileError(folder, f"has no maps that can be read ({error})", remedy) from None
+
+
+def difference(calibrated: CameraIdentity, seen: CameraIdentity) -> str:
+    """Name the first thing in which frames differ from those of a calibration; empty for none."""
+    for name, value in calibrated:
+        if getattr(seen, name) != value:
+            return f"{name} {value!r}, and the frames have {getattr(seen, name)!r}"
+    return ""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+    from gonio.calibration import CameraIdentity
     from gonio.journal import FrameRecord, Role
     from gonio.photogrammetry.geometry_file import Geometry
     from gonio.plan import Shot
@@ -29,6 +30,7 @@ _Place = tuple[str, int, float]
 """Role, shot and exposure asked for."""
 
 _QUORUM: Final = 5
+_FEW: Final = 0.1
 _CALLED: Final = {
     "pattern": "filter pattern", "black": "black level", "white": "white level", "iso": "ISO",
     "color_matrix": "color matrix", "matrix_name": "color matrix",
@@ -76,6 +78,8 @@ class Frames:
         Camera and view arm as measured, where they were.
     sensor
         What took them, where it is known already.
+    calibrated
+        The camera of the session's calibration; frames of it are the right ones.
 
     Attributes
     ----------
@@ -83,9 +87,6 @@ class Frames:
         As given.
     problems
         What was wrong with each calibration frame that was left out, by role.
-    useless
-        What is wrong with each frame that is as it was taken and yet of no use, by its file; one
-        that is missing or changed may come back.
     """
 
     def __init__(
@@ -96,17 +97,35 @@ class Frames:
         remedy: str,
         geometry: Geometry | None = None,
         sensor: Sensor | None = None,
+        calibrated: CameraIdentity | None = None,
     ) -> None:
         self._root, self._spec, self.remedy = root, spec, remedy
         self._geometry = geometry
-        self._sensor = sensor
+        self._sensor, self._calibrated = sensor, calibrated
         self._tries: dict[_Place, dict[int, list[FrameRecord]]] = defaultdict(dict)
         self._records = list(records)
         for record in self._records:
             repeats = self._tries[record.role, record.shot_index, record.exposure_s]
             repeats.setdefault(record.repeat, []).append(record)
         self.problems: dict[Role, list[str]] = {"dark": [], "white": []}
-        self.useless: dict[str, str] = {}
+        self._broken: dict[str, str] = {}
+        self._unlike: dict[Role, dict[str, str]] = defaultdict(dict)
+
+    @property
+    def useless(self) -> dict[str, str]:
+        """What is wrong with each frame that is as it was taken and yet of no use, by its file.
+
+        One that is missing or changed may come back. Of frames that are unlike most, few of a role
+        are; where there are many, whoever set the camera has to say which are wrong.
+        """
+        taken = Counter(record.role for record in self._records)
+        few = {
+            file: problem
+            for role, files in self._unlike.items()
+            if len(files) <= max(1.0, _FEW * taken[role])
+            for file, problem in files.items()
+        }
+        return self._broken | few
 
     @property
     def sensor(self) -> Sensor:
@@ -168,9 +187,13 @@ class Frames:
         data = read_vouched(path, record.sha256, self.remedy)
         try:
             raw = self._decode(data, record, path)
+        except BadFileError as error:
+            self._broken[record.file] = str(error)
+            raise
+        try:
             self._check_sensor(raw.sensor, path)
         except BadFileError as error:
-            self.useless[record.file] = str(error)
+            self._unlike[record.role][record.file] = str(error)
             raise
         # where most frames have another size, the rig file is wrong, and no frame
         self._check_size(raw.sensor, path)
@@ -189,7 +212,7 @@ class Frames:
             self._sensor = self._usual_sensor() or sensor
         if sensor != self._sensor:
             problem = f"is unlike most frames: {_difference(sensor, self._sensor)}"
-            raise BadFileError(path, problem, f"set the camera as it was, and {self.remedy}")
+            raise BadFileError(path, problem, "take all frames with one camera at one setting")
 
     def _check_size(self, sensor: Sensor, path: Path) -> None:
         size, wanted = (sensor.width, sensor.height), (self._spec.width, self._spec.height)
@@ -210,7 +233,8 @@ class Frames:
             with contextlib.suppress(BadFileError):
                 data = read_vouched(path, record.sha256, self.remedy)
                 seen[self._decode(data, record, path).sensor] += 1
-        return seen.most_common(1)[0][0] if seen else None
+        right = [sensor for sensor in seen if sensor.identity == self._calibrated]
+        return max(right or seen, key=lambda sensor: seen[sensor], default=None)
 
 
 def _difference(sensor: Sensor, usual: Sensor) -> str:

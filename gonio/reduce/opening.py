@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gonio.calibrationfolder import kept_calibration
 from gonio.errors import BadInputError
 from gonio.reduce.frames import Frames
 from gonio.reduce.poses import kept_geometry
@@ -70,7 +71,9 @@ def open_frames(session: Session) -> Opened:
             f"{session.root}: no shot has been captured yet; go on with: {session.resume_command}"
         )
     remedy = f"take it again with: {session.resume_command}"
-    frames = Frames(session.root, rig.camera, records, remedy, geometry)
+    calibration = kept_calibration(session)
+    camera = calibration.camera if calibration else None
+    frames = Frames(session.root, rig.camera, records, remedy, geometry, calibrated=camera)
     return Opened(rig, shots, records, frames, geometry)
 
 

@@ -136,10 +136,12 @@ def _mitsuba() -> Iterator[Any]:
         raise MissingExtraError("mitsuba", "mitsuba") from None
     before = mitsuba.variant()
     mitsuba.set_variant("scalar_rgb")
+    level = mitsuba.log_level()
     mitsuba.set_log_level(mitsuba.LogLevel.Error)
     try:
         yield mitsuba
     finally:
+        mitsuba.set_log_level(level)
         if before is not None:
             mitsuba.set_variant(before)
 

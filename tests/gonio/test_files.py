@@ -111,7 +111,7 @@ def test_a_journal_is_never_replaced(tmp_path):
         journal.execute("CREATE TABLE frames (file)")
         journal.commit()
     before = path.read_bytes()
-    with pytest.raises(StorageError, match="is the journal of a session"):
+    with pytest.raises(StorageError, match="as a session's journal is"):
         write_bytes(path, b"a table")
     assert path.read_bytes() == before
 

@@ -11,11 +11,14 @@ NAMES = [
     (("monday/wood.npz", "tuesday/wood.npz"), ["monday/wood.npz", "tuesday/wood.npz"]),
     (("satin", "monday/satin.npz"), ["satin", "satin.npz"]),
     (("satin", "satin"), ["satin (1)", "satin (2)"]),
+    (("./monday/wood.npz", "../here/tuesday/wood.npz"), ["monday/wood.npz", "tuesday/wood.npz"]),
 ]
 
 
 @pytest.mark.parametrize(("sources", "names"), NAMES)
 def test_those_of_one_name_are_called_what_was_typed(tmp_path, monkeypatch, sources, names):
+    tmp_path = tmp_path / "here"
+    tmp_path.mkdir()
     monkeypatch.chdir(tmp_path)
     table = MeasuredTable.of(np.full((81, 81, 3), 0.1))
     for folder, name in (("monday", "wood"), ("tuesday", "wood"), ("monday", "satin")):

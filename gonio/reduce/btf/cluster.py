@@ -81,7 +81,11 @@ def check_workers(client: Any) -> None:
     gonio.errors.BadInputError
         When there is nobody.
     """
-    if not client.nthreads():
+    try:
+        threads = client.nthreads()
+    except OSError:  # the scheduler does not answer either
+        threads = {}
+    if not threads:
         raise BadInputError(
             "all workers of the scheduler are gone; start some, and run the command again: it goes "
             "on where it was"

@@ -177,14 +177,21 @@ def test_frames_of_another_camera_are_refused(gonio, folder, capture):
     done = capture("--calibration", "calibration")
     assert done.returncode == 2
     assert "iso 200, and the frames have 100" in done.stderr
-    # a night is not spent on shots of no use, whichever dark frame is there
-    next((folder / "session/calibration").glob("dark*")).unlink()
-    done = capture("--resume")
-    assert done.returncode == 2
-    assert "iso 200, and the frames have 100" in done.stderr
+    assert "set the camera as it was then, and go on with: gonio capture" in done.stderr
+    # a night is not spent on shots of no use, and a resume looks at the camera anew
     assert not list((folder / "session/raw").iterdir())
+    before = {path.name for path in (folder / "session/calibration").glob("*.dng")}
+    done = capture("--resume")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "iso 200, and the frames have 100" in done.stderr
+    after = {path.name for path in (folder / "session/calibration").glob("*.dng")}
+    assert len(after) == 2 * len(before)
     done = gonio("reduce", "session", cwd=folder)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    with Session(folder / "session").journal() as journal:
+        ends = [event.data["reason"] for event in journal.events("stopped")]
+    assert len(ends) == 2
+    assert all("another camera or setting" in end for end in ends)
 
 
 def _of_iso_200(folder):

@@ -64,3 +64,24 @@ def test_a_dark_frame_is_no_end():
     random = np.random.default_rng(5)
     dark = [probe(s, 0.0, random) for s in (0.02, 2.0)]
     assert not end_of(dark, MASKS).seen
+
+
+@pytest.mark.parametrize(("bits", "offset"), [(10, 0), (14, 60)], ids=["coarse", "offset"])
+def test_a_sensor_that_is_coarse_or_offset_ends_where_it_does(bits, offset):
+    white, black, full_e = 2**bits - 1, 2 ** (bits - 4), 30_000.0
+    scale = (white - black) / full_e
+
+    def exposed(exposure_s, random):
+        electrons = random.poisson(11_000 * exposure_s, (40, 40))
+        mosaic = (black + offset + scale * electrons).round().clip(0, white).astype(np.uint16)
+        raw = SimpleNamespace(
+            mosaic=mosaic, exposure_s=exposure_s, sensor=SimpleNamespace(black=black, white=white)
+        )
+        return SimpleNamespace(raw=raw, flux=(1.0,) * 11)
+
+    darks = [np.full((40, 40), float(black + offset))] * 3
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        assert not end_of([exposed(s, random) for s in (0.02, 0.2, 2.0)], MASKS, darks).seen
+    over = end_of([exposed(s, random) for s in (0.02, 0.2, 20.0)], MASKS, darks)
+    assert (over.seen, over.above) == (True, white - black)

@@ -243,6 +243,14 @@ def test_a_first_frame_that_is_the_odd_one_goes_alone(photographer, caplog):
     assert list(rejected) == [str(odd.relative_to(shots.session.root))]
 
 
+def test_where_many_frames_are_unlike_the_others_none_is_rejected(photographer):
+    shots = photographer(4 * TWO, GREY, exposures_s=(0.2,), rig_text=SMALL_RIG).calibrate()
+    shots.shoot(change=Other(iso=400))
+    with pytest.raises(BadInputError, match="its ISO is"):
+        reduce_session(shots.session)
+    assert not shots.journal.rejected()
+
+
 def test_a_rig_file_with_another_size_costs_no_frame(photographer):
     other = SMALL_RIG.replace("width = 40", "width = 44")
     assert other != SMALL_RIG

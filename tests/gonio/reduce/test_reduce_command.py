@@ -115,7 +115,8 @@ def test_a_quantity_without_a_table_is_refused(shots, gonio):
 OWN = {
     "journal": (("--csv", "journal.sqlite"), "journal.sqlite: is a file of the session"),
     "frame": (("--csv", "raw/shot_000000_0.2_r0_a1.dng"), "a1.dng: is a file of the session"),
-    "folder": (("--radiance", "."), "is a session's folder; name one of its own"),
+    "folder": (("--radiance", "."), "is the session's; name a folder of its own"),
+    "raw": (("--radiance", "raw"), "raw: is the session's; name a folder of its own"),
 }
 
 
