@@ -34,7 +34,7 @@ class AttendedClock:
         return self._clock.now()
 
     def sleep(self, seconds: float) -> None:
-        """Let `seconds` pass (errors as for `attend`)."""
+        """Let `seconds` pass."""
         left_s = seconds
         while left_s > 0:
             step_s = min(left_s, _EVERY_S - self._waited_s)

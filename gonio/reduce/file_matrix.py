@@ -44,6 +44,9 @@ _ILLUMINANTS: Final = {
 }
 """By Exif's LightSource (CIE 15, 2 deg observer; the last is a black body)."""
 
+_TAKEN_AS: Final = {1: 20, 4: 20, 9: 20, 10: 21, 11: 22, 3: 17}
+"""Daylight, flash and fine weather as D55, clouds as D65, shade as D75, tungsten as A."""
+
 _MATRICES: Final = (
     ("ColorMatrix1", 50721, 50778),
     ("ColorMatrix2", 50722, 50779),
@@ -93,7 +96,9 @@ def file_matrix(tags: Mapping[int, Any], path: Path) -> FileMatrix | None:
 
 
 def _illuminant(code: object) -> Illuminant | None:
-    return _ILLUMINANTS.get(code) if isinstance(code, int) else None
+    if not isinstance(code, int):
+        return None
+    return _ILLUMINANTS.get(_TAKEN_AS.get(code, code))
 
 
 def _distance(light: Illuminant | None) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gonio.errors import StorageError
+from gonio.errors import BadInputError, StorageError
 from gonio.files import canonical_json, sha256_bytes
 from gonio.photogrammetry.grid import TexelGrid
 from gonio.reduce.btf.block import reduce_block
@@ -114,6 +114,9 @@ def _calibrated(session: Session, opened: Opened, space: str | None) -> Calibrat
         exposures_s = shot_exposures(opened.records)
         wanted = wanted_in(session, space, opened.shots)
         return calibrate(opened.frames, opened.rig, patches, exposures_s, correction, wanted)
+    except BadInputError:
+        opened.frames.look_over()  # a resume takes all of them again
+        raise
     finally:
         reject(session, opened.frames.useless)
 

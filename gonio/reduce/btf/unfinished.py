@@ -51,9 +51,10 @@ def begin(
         return
     if before and not anew and any((store / DONE).glob("*.json")):
         names = sorted(name for name in {*before, *inputs} if before.get(name) != inputs.get(name))
+        old = "format of files" in names  # nothing that somebody could go on with
         raise ResumeRefusedError(
             f"{store.parent}: the reduction to texels that was interrupted had other "
-            f"{', '.join(names)}; go on with those, or begin afresh with --anew"
+            f"{', '.join(names)}; {'' if old else 'go on with those, or '}begin afresh with --anew"
         )
     shutil.rmtree(store, ignore_errors=True)
     make_store(store, layout, maps)

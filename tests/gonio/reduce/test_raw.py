@@ -166,7 +166,9 @@ HELD = {
         "ColorMatrix2 of illuminant A",
     ),
     "untold": ({50721: FOR_D65}, "ColorMatrix1"),
-    "of a flash": ({50721: FOR_D65, 50778: 4}, "ColorMatrix1"),
+    "under clouds": ({50721: FOR_A, 50778: 17, 50722: FOR_D65, 50779: 10}, "ColorMatrix2"),
+    "of a fluorescent": ({50721: FOR_D65, 50778: 12}, "ColorMatrix1"),
+    "of tungsten": ({50721: FOR_A, 50778: 3}, "ColorMatrix1 of illuminant A"),
 }
 
 
@@ -180,6 +182,8 @@ def test_of_several_matrices_the_one_nearest_to_d65_serves(tags, name):
 def test_of_two_standard_lights_the_nearer_one_is_taken():
     found = file_matrix({50721: FOR_A, 50778: 17, 50722: FOR_D65, 50779: 23}, None)
     assert found.name == "ColorMatrix2 of illuminant D50"
+    daylight = file_matrix({50721: FOR_A, 50778: 17, 50722: FOR_D65, 50779: 1}, None)
+    assert daylight.name == "ColorMatrix2 of illuminant D55"
     white = np.array([0.34567 / 0.35850, 1.0, (1 - 0.34567 - 0.35850) / 0.35850])
     np.testing.assert_allclose(np.reshape(found.values, (3, 3)) @ D65, MATRIX @ white, rtol=1e-6)
 
