@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -73,6 +73,18 @@ def score(
         delta_e_mean=None if differences is None else float(differences.mean()),
         delta_e_95=None if differences is None else float(np.percentile(differences, 95)),
     )
+
+
+class Errors(NamedTuple):
+    """How far one is from another, in both metrics that are quoted."""
+
+    eps8: float
+    male: float
+
+
+def errors_of(estimate: NDArray[np.float64], true: NDArray[np.float64], white: float) -> Errors:
+    """Return `eps8` and `male` (parameters and errors as for these)."""
+    return Errors(eps8(estimate, true, white), male(estimate, true, white))
 
 
 def eps8(estimate: NDArray[Any], true: NDArray[Any], white: float) -> float:

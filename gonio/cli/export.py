@@ -12,7 +12,7 @@ from gonio.cli._json import answer, answers
 
 if TYPE_CHECKING:
     from gonio.exchange import Exported
-    from gonio.exchange.exporting import Errors
+    from nnbrdf.metrics import Errors
 
 
 @click.command(name="export", cls=ListingFormats, writing=True)

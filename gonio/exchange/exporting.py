@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,22 +15,16 @@ from gonio.exchange.isotropy import ISOTROPIC_BELOW
 from gonio.exchange.target import target_of
 from gonio.files import write_with
 from gonio.samples import LARGEST
-from nnbrdf.metrics import eps8, male
+from nnbrdf.metrics import errors_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gonio.exchange.format import Format, Source
     from gonio.protocols import Material, Progress
+    from nnbrdf.metrics import Errors
 
 _LINEAR = ("linear sRGB", "luminance")
-
-
-class Errors(NamedTuple):
-    """Errors at the 81 x 81 pairs (see `nnbrdf.metrics`)."""
-
-    eps8: float
-    male: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -172,7 +166,7 @@ def _refusal(source: Source, format_: Format, problem: str) -> BadInputError:
 def _errors(values: NDArray[np.float64] | None, true: Source) -> Errors | None:
     if values is None:
         return None
-    return Errors(eps8(values, true.values, true.white), male(values, true.values, true.white))
+    return errors_of(values, true.values, true.white)
 
 
 def _notes(source: Source, format_: Format) -> list[str]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gonio.directions import paper_directions
+from nnbrdf.metrics import Errors, eps8_per_channel, errors_of, male_per_channel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,13 +26,6 @@ NOT_KNOWN = "not known: a rig has no truth"
 GRID_PAIRS = len(paper_directions()) ** 2
 # an axis stands within hundredths of a degree of where it was sent
 _SAME = np.radians(0.1)
-
-
-class Errors(NamedTuple):
-    """How far one is from another, in both metrics (see `nnbrdf.metrics`)."""
-
-    eps8: float
-    male: float
 
 
 @dataclass(frozen=True)
@@ -193,15 +187,13 @@ def _different_pairs(samples: Samples) -> int:
 
 def _against_truth(estimate: Model, true: MeasuredTable) -> tuple[Against, float]:
     """Return the errors, and the share of the truth within the bands."""
-    from nnbrdf.metrics import eps8_per_channel, male_per_channel
-
     # once: of some models it takes seconds
     grid = estimate.grid()
     coverage = float(np.mean((grid["lo"] <= true.values) & (true.values <= grid["hi"])))
     values, pair = grid["values"].astype(np.float64), (true.values, true.white)
     each = zip(eps8_per_channel(values, *pair), male_per_channel(values, *pair), strict=True)
     channels = {name: Errors(float(e), float(m)) for name, (e, m) in zip("rgb", each, strict=True)}
-    delivered = _errors(values, *pair)
+    delivered = errors_of(values, *pair)
     members = _member_errors(estimate, true)
     if not members:
         return (Against(delivered, delivered, channels), coverage)
@@ -215,18 +207,12 @@ def _member_errors(estimate: Model, true: MeasuredTable) -> list[Errors]:
 
     if not isinstance(estimate, NNBRDF):
         return []
-    return [_errors(member, true.values, true.white) for member in member_grids(estimate)]
-
-
-def _errors(told: NDArray[np.float64], true: NDArray[np.float64], white: float) -> Errors:
-    from nnbrdf.metrics import eps8, male
-
-    return Errors(eps8(told, true, white), male(told, true, white))
+    return [errors_of(member, true.values, true.white) for member in member_grids(estimate)]
 
 
 def _residual(estimate: Model, samples: Samples) -> Errors:
     # noise may be below zero, where male has no logarithm
-    return _errors(at_samples(estimate, samples), samples.value.clip(0.0), samples.white)
+    return errors_of(at_samples(estimate, samples), samples.value.clip(0.0), samples.white)
 
 
 def member_grids(estimate: NNBRDF) -> NDArray[np.float64]:

@@ -7,7 +7,8 @@ from gonio.checks import Check
 from gonio.report.captured import Captured
 from gonio.report.expected import expected_of, log_deviation, relative_sigma
 from gonio.report.headline import headline
-from gonio.report.summary import Against, Errors, Summary
+from gonio.report.summary import Against, Summary
+from nnbrdf.metrics import Errors
 
 WHITE = 0.8
 Z95 = 1.6448536269514722
