@@ -100,15 +100,8 @@ class Causes:
         return np.sqrt(squares)
 
     def fading(self) -> Array:
-        """Return how far the lamps' flux is from that of the white frames, relative, shape (n,).
-
-        Lamp by lamp, each for its share of the light: one that fades while another brightens leaves
-        their sum as it was, and not their color. One that was dark then is compared with the mean.
-        """
-        flux, of_white = (self._mean_of("flux", each) for each in (self.brackets, [self._whites]))
-        before = np.where(of_white > 0, of_white, of_white.mean(where=of_white > 0))
-        change = np.abs(np.log(np.where(flux > 0, flux / before, 1.0)))
-        return np.asarray((self._mean_of("lamps", self.brackets) * change).sum(axis=1))
+        """Return how far the lamps' flux is from that of the white frames, relative, shape (n,)."""
+        return faded(self._mean_of("flux", self.brackets), self._mean_of("flux", [self._whites])[0])
 
     @property
     def _whites(self) -> Sequence[Reading]:
@@ -165,6 +158,22 @@ class Causes:
     @cached_property
     def _of_white(self) -> dict[str, Array]:
         return _effects(self.response.rate, self.response.readings)
+
+
+def faded(flux: Array, of_white: Array) -> Array:
+    """Return how far lamps' flux is from what it was in white frames, relative, shape (n,).
+
+    Lamp by lamp, each for its share of the light: one that fades while another brightens leaves
+    their sum as it was, and not their color. One that was dark then is compared with the mean.
+
+    Parameters
+    ----------
+    flux, of_white
+        Of each lamp, shapes (n, 11) and (11,).
+    """
+    before = np.where(of_white > 0, of_white, of_white.mean(where=of_white > 0))
+    change = np.abs(np.log(np.where(flux > 0, flux / before, 1.0)))
+    return np.asarray((flux * change).sum(axis=1) / flux.sum(axis=1))
 
 
 def _of_time(time: float, rate: Rate, bracket: Sequence[Reading]) -> Array:

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gonio.checks import Check
+from gonio.reduce.causes import faded
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
     from gonio.reduce.checks.seen import Seen
     from gonio.reduce.reading import Reading
@@ -37,9 +36,9 @@ def warmth(seen: Sequence[Seen], whites: Sequence[Reading], lamp_color: float) -
     lamp_color
         What the rig file states of it; 0 where it does not.
     """
-    before = np.mean([reading.flux for reading in whites], axis=0)
-    changes = [_change(_flux(each), before) for each in seen]
-    change = float(np.median(changes)) if changes else 0.0
+    flux = [np.mean([reading.flux for reading in each.readings], axis=0) for each in seen]
+    of_white = np.mean([reading.flux for reading in whites], axis=0)
+    change = float(np.median(faded(np.array(flux), of_white))) if flux else 0.0
     untold = change > CHANGE and not lamp_color
     return Check(
         name="warmth",
@@ -49,14 +48,3 @@ def warmth(seen: Sequence[Seen], whites: Sequence[Reading], lamp_color: float) -
         remedy=_UNSTATED if untold else "",
         asked=not untold,
     )
-
-
-def _flux(each: Seen) -> NDArray[np.float64]:
-    return np.asarray(np.mean([reading.flux for reading in each.readings], axis=0))
-
-
-def _change(flux: NDArray[np.float64], before: NDArray[np.float64]) -> float:
-    """Return by how much lamps that were lit both times changed, each for its share."""
-    both = (flux > 0) & (before > 0)
-    share = flux[both] / max(flux.sum(), 1e-12)
-    return float((share * np.abs(np.log(flux[both] / before[both]))).sum())
