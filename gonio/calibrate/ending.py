@@ -50,7 +50,7 @@ class End(NamedTuple):
 def end_of(
     probes: Sequence[Exposed],
     masks: Sequence[NDArray[np.bool_]],
-    darks: Sequence[NDArray[np.float64]] | None = None,
+    darks: Sequence[NDArray[np.float64]],
 ) -> End:
     """Tell where raw values end by the longest exposure of the white reference.
 
@@ -65,12 +65,10 @@ def end_of(
     masks
         Pixels of each channel, shape (height, width) each.
     darks
-        What each frame reads without light, shape (height, width) each; None: BlackLevel.
+        What each frame reads without light, shape (height, width) each.
     """
     sensor = probes[0].raw.sensor
     whole = float(sensor.white - sensor.black)
-    if darks is None:
-        darks = [np.full(masks[0].shape, float(sensor.black))] * len(probes)
     frames = list(zip(probes, darks, strict=True))
     channels = [[_seen(probe, dark, mask) for probe, dark in frames] for mask in masks]
     ended = [raw for channel in channels if (raw := _at_its_end(channel, whole)).size]

@@ -29,6 +29,19 @@ def captured(gonio, tmp_path):
     return tmp_path / "session"
 
 
+def test_a_black_reference_is_refused_before_anything_moves(gonio, tmp_path):
+    rig = default_rig_text().replace("reference = 0.99", 'reference = "black.npz"')
+    (tmp_path / "rig.toml").write_text(rig)
+    black = np.zeros((81, 81, 3))
+    black[0, 0] = 1.0
+    MeasuredTable(black, 1.0).save(tmp_path / "black.npz")
+    assert gonio("plan", "--shots", "1", "--rig", "rig.toml", "--no-page").returncode == 0
+    ran = gonio("capture", "--sim", "--rig", "rig.toml")
+    assert (ran.returncode, ran.stderr.count("\n")) == (2, 1)
+    assert "black.npz: is black where the white frames are taken from" in ran.stderr
+    assert not (tmp_path / "session").exists()
+
+
 def test_the_session_keeps_and_reads_its_own_copy(gonio, captured, tmp_path):
     copy = captured / "calibration/reference.npz"
     noted = json.loads(copy.with_suffix(".json").read_text())

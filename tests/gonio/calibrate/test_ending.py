@@ -7,6 +7,7 @@ import pytest
 
 from gonio.calibrate.ending import end_of
 from gonio.cli.calibrate import notes_of
+from gonio.errors import BadInputError
 from nnbrdf.analytic import Lambert
 from sim import sensor
 from tests.calibrated_draws import calibrated_samples, imperfect_rig
@@ -15,6 +16,9 @@ BRIGHT = Lambert((0.9, 0.9, 0.9))
 RANGE = sensor.WHITE_LEVEL - sensor.BLACK_LEVEL
 ROWS, COLUMNS = np.indices((40, 40)) % 2
 MASKS = [(row == ROWS) & (column == COLUMNS) for row, column in ((0, 0), (0, 1), (1, 1))]
+
+
+DARKS = [np.full((40, 40), float(sensor.BLACK_LEVEL))] * 3
 
 
 def probe(exposure_s, full_e, random, *, end=1.0):
@@ -52,7 +56,7 @@ def test_where_nothing_overexposes_the_file_is_believed_and_it_is_said():
 def test_pixels_that_are_full_before_they_are_read_end_with_their_noise(spread_e):
     random = np.random.default_rng(4)
     full_e = 40_000.0 + spread_e * random.normal(size=(40, 40))
-    found = end_of([probe(s, full_e, random) for s in (0.02, 0.2, 2.0)], MASKS)
+    found = end_of([probe(s, full_e, random) for s in (0.02, 0.2, 2.0)], MASKS, DARKS)
     lowest = np.percentile(full_e, 1) * sensor.GAIN
     assert found.seen
     assert found.above == pytest.approx(lowest, rel=0.003)
@@ -63,7 +67,7 @@ def test_pixels_that_are_full_before_they_are_read_end_with_their_noise(spread_e
 def test_a_dark_frame_is_no_end():
     random = np.random.default_rng(5)
     dark = [probe(s, 0.0, random) for s in (0.02, 2.0)]
-    assert not end_of(dark, MASKS).seen
+    assert not end_of(dark, MASKS, DARKS[:2]).seen
 
 
 @pytest.mark.parametrize(("bits", "offset"), [(10, 0), (14, 60)], ids=["coarse", "offset"])
@@ -85,3 +89,12 @@ def test_a_sensor_that_is_coarse_or_offset_ends_where_it_does(bits, offset):
         assert not end_of([exposed(s, random) for s in (0.02, 0.2, 2.0)], MASKS, darks).seen
     over = end_of([exposed(s, random) for s in (0.02, 0.2, 20.0)], MASKS, darks)
     assert (over.seen, over.above) == (True, white - black)
+
+
+def test_a_reference_of_few_pixels_is_refused():
+    rig = imperfect_rig("none")
+    far = rig.camera.model_copy(update={"focal_px": 60.0})
+    with pytest.raises(BadInputError, match="see the middle of the white reference, and 16 are"):
+        calibrated_samples(
+            "none", BRIGHT, np.random.default_rng(3), rig=rig.model_copy(update={"camera": far})
+        )

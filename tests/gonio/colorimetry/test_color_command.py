@@ -106,6 +106,7 @@ def test_stated_corners_give_the_same_matrix(lab, tmp_path):
         (corners_text(default_rig(), (0.0, 0.0), [18, 23, 5, 0]), "are no such chart"),
         ("10,10 50,10 90,10 130,10", "are not the corners of a chart"),
         ("10,10 50,10", "four pairs of column and row are needed"),
+        ("nan,10 50,10 50,50 10,50", "four pairs of column and row are needed"),
         ("10,10 20,10 20,16 10,16", "has fewer than 8 pixels of a color"),
     ],
 )
