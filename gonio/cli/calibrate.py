@@ -64,7 +64,7 @@ def command(
         gonio calibrate --sim --imperfections mild
         gonio calibrate --rig rig.toml -o calibration-may/
     """  # noqa: D301
-    from gonio.cli._console import console
+    from gonio.cli._console import console, note
     from gonio.errors import BadInputError
     from gonio.report.calibration_page import PAGE_NAME
     from gonio.rig import default_rig, load_rig
@@ -80,8 +80,8 @@ def command(
     twin = (seed or 0, imperfections or "none") if sim else None
     document = _calibrated(rig, twin, output)
     console.print(f"wrote {output}, sha256 {document.sha256}; look at {output / PAGE_NAME}")
-    for note in notes_of(document):
-        click.echo(f"note: {note}")
+    for said in notes_of(document):
+        note(said)
     same = {"--rig": rig_path, "--seed": seed, "--imperfections": imperfections}
     console.print(f"next: {_next(same, output, sim=sim)}", markup=False)
     found = document.model_dump(mode="json", exclude={"schema_"})
